@@ -1,0 +1,30 @@
+//! Triangle meshes as compact, certified files.
+//!
+//! Imports only point down; `tests/it/layers.rs` holds the table and fails when one does not.
+//!
+//! ```text
+//!  6  main.rs  cli                      talks: flags, stderr, exit codes. Computes nothing.
+//!  5  eval                              distances, PSNR, reports
+//!  4  encode  decode  options           the two doors; the only files that see both wings
+//!     ─────────────────────────────┬──────────────────────────────────────────────
+//!       SURFACE WING               │            BYTE WING
+//!       (never sees a byte)        │            (never sees a triangle)
+//!  3  surface ── names both ───────┼─────────── mesh and entropy
+//!  2  mesh  distance               │   format   entropy
+//!     ─────────────────────────────┴──────────────────────────────────────────────
+//!  1  plane                             the hall: lattice, planes
+//!  0  geom                         │   bits
+//!     error  limits  task  par          the ground: imports nothing above
+//! ```
+
+mod error;
+mod limits;
+mod mesh;
+#[allow(dead_code)] // until the floors above move in
+mod par;
+mod task;
+
+pub use error::{Error, MeshDefect, Place, Result};
+pub use limits::Limits;
+pub use mesh::{Attribute, AttributeKind, Domain, Faces, Label, LabelKind, Mesh, Scalar};
+pub use task::Task;

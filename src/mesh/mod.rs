@@ -1,0 +1,10 @@
+//! Meshes: what users hold, how the triangles hang together, and the files they come from.
+
+mod attribute;
+mod half_edge;
+pub(crate) mod io;
+mod polygon_mesh;
+
+pub use attribute::{Attribute, AttributeKind, Domain, Label, LabelKind, Scalar};
+pub(crate) use half_edge::HalfEdges;
+pub use polygon_mesh::{Faces, Mesh};
