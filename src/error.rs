@@ -139,7 +139,9 @@ impl Error {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::InFile { source, .. } => source.hint(),
-            Self::Limit { which, wanted, .. } => Some(format!("if the file is trusted, raise the limit: --limit-{which} {wanted}")),
+            Self::Limit { which, wanted, .. } => {
+                Some(format!("if the file is trusted, raise the limit: --limit-{which} {wanted}"))
+            }
             Self::Mesh(MeshDefect::Empty | MeshDefect::NonFinite { .. } | MeshDefect::IndexOutOfRange { .. }) => None,
             Self::Mesh(_) => Some("`gimc inspect MESH` lists every such place".into()),
             _ => None,

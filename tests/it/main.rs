@@ -1,1 +1,4 @@
-mod smoke {}
+//! All integration tests, as modules of one binary: one link and not ten.
+
+mod corpus;
+mod layers;
