@@ -17,16 +17,31 @@
 //!     error  limits  task  par          the ground: imports nothing above
 //! ```
 
+mod bits;
+mod decode;
+#[cfg(feature = "encode")]
+mod encode;
+mod entropy;
 mod error;
+mod format;
 mod limits;
 mod mesh;
-#[allow(dead_code)] // until the floors above move in
+#[cfg(feature = "encode")]
+mod options;
 mod par;
 #[allow(dead_code, unused_imports)] // until both wings use all of it
 mod plane;
+mod surface;
 mod task;
 
+pub use decode::{ChunkInfo, Decoder, Info};
+#[cfg(feature = "encode")]
+pub use encode::Encoded;
 pub use error::{Error, MeshDefect, Place, Result};
 pub use limits::Limits;
 pub use mesh::{Attribute, AttributeKind, Domain, Faces, Label, LabelKind, Mesh, Scalar};
+#[cfg(feature = "encode")]
+pub use options::{Accuracy, EncodeOptions};
+pub use plane::Lattice;
+pub use surface::Effort;
 pub use task::Task;

@@ -1,7 +1,7 @@
 //! Meshes: what users hold, how the triangles hang together, and the files they come from.
 
 mod attribute;
-mod half_edge;
+pub(crate) mod half_edge;
 pub(crate) mod io;
 mod polygon_mesh;
 

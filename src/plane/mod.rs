@@ -7,10 +7,13 @@
 mod mask;
 #[cfg(feature = "png")]
 mod png;
+mod quantise;
 
 pub(crate) use mask::Mask;
 #[cfg(feature = "png")]
 pub(crate) use png::{read_mask, write_png};
+pub use quantise::Lattice;
+pub(crate) use quantise::bounding_box;
 
 use crate::error::{Error, Result};
 
@@ -34,7 +37,9 @@ impl Shape {
             return Err(Error::Parameter(format!("an image of {width} x {height} samples; each side must be 1 to {MAX_SIDE}")));
         }
         if usize::try_from(u64::from(width) * u64::from(height)).is_err() {
-            return Err(Error::Parameter(format!("an image of {width} x {height} samples is more than this machine can address")));
+            return Err(Error::Parameter(format!(
+                "an image of {width} x {height} samples is more than this machine can address"
+            )));
         }
         Ok(Self { width, height })
     }

@@ -1,0 +1,174 @@
+//! The door out: a file to a mesh.
+//!
+//! Opening a file reads its header and checks its chunks; nothing large is made before [`Decoder::decode`].
+
+use crate::error::{Error, Place, Result};
+use crate::format::{Chunks, Header, LatticeForm, SurfaceChunk};
+use crate::limits::{Budget, Limits};
+use crate::mesh::{Mesh, Scalar};
+use crate::surface::{self, Census, Effort};
+use crate::task::Task;
+
+/// A file that was opened.
+#[derive(Debug)]
+pub struct Decoder<'a> {
+    header: Header,
+    surface: SurfaceChunk<'a>,
+    limits: Limits,
+    info: Info,
+}
+
+/// What a file says of itself before it is decoded.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Info {
+    /// The version of the format.
+    pub version: u8,
+    /// `cgim`: the connectivity is kept exactly.
+    pub method: &'static str,
+    /// How the mesh became bytes.
+    pub codec: &'static str,
+    /// How much time was given for the size.
+    pub effort: Effort,
+    /// Vertices of the mesh.
+    pub vertices: u32,
+    /// Faces of the mesh.
+    pub faces: u32,
+    /// The lowest and the highest corner of its box.
+    pub bounds: [[f64; 3]; 2],
+    /// Where the lattice of the positions begins.
+    pub origin: [f64; 3],
+    /// The distance of lattice points.
+    pub step: f64,
+    /// log₂ of the lattice points on the longest side of the box, if the lattice was chosen so.
+    pub bits: Option<u32>,
+    /// No point of the original surface is farther than this from the decoded one, nor the other way round.
+    pub bound: f64,
+    /// The number type of the positions.
+    pub precision: Scalar,
+    /// The chunks in the order of the file.
+    pub chunks: Vec<ChunkInfo>,
+    /// The bytes by what they are for; they add up to the size of the file.
+    pub parts: Vec<(&'static str, u64)>,
+    /// Bytes of memory that decoding takes at most.
+    pub memory: u64,
+    /// Steps of work that decoding takes, as far as the header tells.
+    pub work: u64,
+}
+
+/// A chunk of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ChunkInfo {
+    /// Its four-letter tag.
+    pub tag: String,
+    /// Its bytes, tag, length and checksum included.
+    pub bytes: u64,
+}
+
+impl<'a> Decoder<'a> {
+    /// Opens a file under the default [`Limits`].
+    ///
+    /// # Errors
+    /// Bytes that are not a file of this format, or not of a version that this library reads.
+    pub fn new(bytes: &'a [u8]) -> Result<Self> {
+        Self::with_limits(bytes, Limits::default())
+    }
+
+    /// Opens a file under the caller's limits.
+    ///
+    /// # Errors
+    /// As [`Decoder::new`], and [`Error::Limit`].
+    pub fn with_limits(bytes: &'a [u8], limits: Limits) -> Result<Self> {
+        let chunks = Chunks::read(bytes)?;
+        chunks.check_known(&[Header::TAG, SurfaceChunk::TAG])?;
+        let header = Header::read(chunks.one(Header::TAG)?.reader())?;
+        if header.codec != Header::SURFACE {
+            return Err(Error::Unsupported { what: "codec", id: header.codec.to_string() });
+        }
+        let chunk = chunks.one(SurfaceChunk::TAG)?;
+        let surface = SurfaceChunk::read(chunk.reader())?;
+        let info = Info::new(bytes, &chunks, &header, &surface)?;
+        Ok(Self { header, surface, limits, info })
+    }
+
+    /// What the file says of itself.
+    pub fn info(&self) -> &Info {
+        &self.info
+    }
+
+    /// Decodes the mesh.
+    ///
+    /// # Errors
+    /// A stream that describes no mesh, or one that would pass the limits.
+    pub fn decode(&self) -> Result<Mesh> {
+        self.decode_with(Task::default())
+    }
+
+    /// Decodes the mesh under the eyes of a [`Task`].
+    ///
+    /// # Errors
+    /// As [`Decoder::decode`], and [`Error::Cancelled`].
+    pub fn decode_with(&self, task: Task<'_>) -> Result<Mesh> {
+        let mut budget = Budget::new(self.limits);
+        let header = &self.header;
+        budget.check_vertices(header.vertices.into())?;
+        let census = census(header, &self.surface);
+        let streams = self.surface.positions(surface::ranges(census).len())?;
+        let (surface, positions) =
+            surface::read(self.surface.connectivity, &streams, census, header.extent, self.info.effort, &mut budget, task)?;
+        let triangles = surface.real_triangles();
+        if triangles.len() != header.faces as usize {
+            let why = format!("{} faces were decoded, the header says {}", triangles.len(), header.faces);
+            return Err(Error::malformed(Place::Whole, why));
+        }
+        let lattice = header.lattice.lattice();
+        let positions = positions.into_iter().map(|q| header.position(&lattice, q)).collect();
+        let mut mesh = Mesh::from_triangles(positions, triangles);
+        mesh.precision = self.info.precision;
+        Ok(mesh)
+    }
+}
+
+fn census(header: &Header, surface: &SurfaceChunk<'_>) -> Census {
+    Census { vertices: header.vertices, holes: surface.holes, components: surface.components, handles: surface.handles }
+}
+
+impl Info {
+    fn new(bytes: &[u8], chunks: &Chunks<'_>, header: &Header, surface: &SurfaceChunk<'_>) -> Result<Self> {
+        let effort = match surface.effort {
+            0 => Effort::Fast,
+            1 => Effort::Default,
+            2 => Effort::Best,
+            other => return Err(Error::Unsupported { what: "effort", id: other.to_string() }),
+        };
+        let lattice = header.lattice.lattice();
+        let bits = if let LatticeForm::Box { bits, .. } = header.lattice { Some(bits) } else { None };
+        let connectivity = surface.connectivity.len() as u64;
+        let positions = surface.positions_size();
+        let header_size = bytes.len() as u64 - connectivity - positions;
+        let parts = vec![("header", header_size), ("connectivity", connectivity), ("positions", positions)];
+        let cost = surface::cost(census(header, surface));
+        Ok(Self {
+            version: crate::format::VERSION,
+            method: "cgim",
+            codec: "surface",
+            effort,
+            vertices: header.vertices,
+            faces: header.faces,
+            bounds: [header.corner(false), header.corner(true)],
+            origin: lattice.origin,
+            step: lattice.step,
+            bits,
+            bound: header.bound.into(),
+            precision: if header.double { Scalar::F64 } else { Scalar::F32 },
+            chunks: chunks
+                .iter()
+                .map(|chunk| ChunkInfo { tag: chunk.tag.escape_ascii().to_string(), bytes: chunk.size })
+                .collect(),
+            parts,
+            memory: cost.0,
+            work: cost.1,
+        })
+    }
+}

@@ -1,0 +1,124 @@
+//! Logistic mixing of many adaptive models (M. Mahoney, "Adaptive weighing of context models for
+//! lossless data compression", 2005), in integers.
+//!
+//! Each of `N` contexts has a table of *lines*; a line holds 16 adaptive bits, one for each *node*
+//! (binary decision) of the value that is being coded, so that a value costs one memory access a
+//! context and not one a decision. For a decision, the bits' log-odds xᵢ are the inputs:
+//!
+//! ```text
+//! p  = squash(Σ wᵢ xᵢ)            the mixed chance
+//! wᵢ ← wᵢ + η · (decision − p) · xᵢ   down the gradient of the coding cost
+//! ```
+//!
+//! with one set of weights a (*set*, node). A fresh bit has x = 0: it has no say yet. `E` further
+//! inputs (*experts*) may be given as log-odds. The last input is constant.
+
+use super::logistic::{LIMIT, squash, stretch};
+use super::model::AdaptiveBit;
+use super::range::BitCoder;
+
+/// Nodes a line.
+pub(crate) const NODES: usize = 16;
+
+/// Weights are held in 65536ths.
+const ONE: i32 = 1 << 16;
+
+/// The constant input, in 256ths.
+const BIAS: i32 = 256;
+
+/// How a [`Mixer`] learns.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MixerOptions {
+    /// log₂ of the lines a context.
+    pub(crate) lines_log2: u32,
+    /// Sets of weights.
+    pub(crate) sets: usize,
+    /// The weight that each context's input starts with, in 65536ths.
+    pub(crate) start: i32,
+    /// η is 2 to the power of minus this (with the scales of inputs and errors taken out).
+    pub(crate) rate_shift: u32,
+    /// Answers that an adaptive bit counts before it forgets.
+    pub(crate) count_limit: u32,
+}
+
+/// Mixes `N` contexts and `E` experts.
+#[derive(Debug)]
+pub(crate) struct Mixer<const N: usize, const E: usize> {
+    options: MixerOptions,
+    lines: Vec<[AdaptiveBit; NODES]>,
+    weights: Vec<Weights<N, E>>,
+    /// The line of each context, and the set, of the value that is being coded.
+    chosen: [u32; N],
+    set: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Weights<const N: usize, const E: usize> {
+    contexts: [i32; N],
+    experts: [i32; E],
+    bias: i32,
+}
+
+impl<const N: usize, const E: usize> Mixer<N, E> {
+    pub(crate) fn new(options: MixerOptions, experts: [i32; E]) -> Self {
+        let fresh = Weights { contexts: [options.start; N], experts, bias: 0 };
+        Self {
+            options,
+            lines: vec![[AdaptiveBit::default(); NODES]; N << options.lines_log2],
+            weights: vec![fresh; options.sets * NODES],
+            chosen: [0; N],
+            set: 0,
+        }
+    }
+
+    /// Starts a value: its context hashes, and which weights to use.
+    #[inline]
+    pub(crate) fn choose(&mut self, contexts: [u32; N], set: usize) {
+        let log2 = self.options.lines_log2;
+        for (i, context) in contexts.into_iter().enumerate() {
+            self.chosen[i] = ((i as u32) << log2) + (hash(context, i as u32 + 1) >> (32 - log2));
+        }
+        self.set = set * NODES;
+    }
+
+    /// Codes one decision of the value and learns from it.
+    #[inline]
+    pub(crate) fn code<C: BitCoder>(&mut self, coder: &mut C, decision: bool, node: usize, experts: [i32; E]) -> bool {
+        let weights = &mut self.weights[self.set + node];
+        let mut inputs = [0; N];
+        let mut dot = i64::from(weights.bias) * i64::from(BIAS);
+        for i in 0..N {
+            let bit = self.lines[self.chosen[i] as usize][node];
+            inputs[i] = if bit.is_fresh() { 0 } else { stretch(bit.p()) };
+            dot += i64::from(weights.contexts[i]) * i64::from(inputs[i]);
+        }
+        for i in 0..E {
+            dot += i64::from(weights.experts[i]) * i64::from(experts[i]);
+        }
+        let p = squash((dot >> 16).clamp(-i64::from(LIMIT), i64::from(LIMIT)) as i32);
+        let decision = coder.code(decision, p);
+
+        let error = (if decision { ONE } else { 0 }) - p as i32;
+        let shift = 10 + self.options.rate_shift;
+        for i in 0..N {
+            weights.contexts[i] += (i64::from(inputs[i] * error) >> shift) as i32;
+            self.lines[self.chosen[i] as usize][node].learn(decision, self.options.count_limit);
+        }
+        for i in 0..E {
+            weights.experts[i] += (i64::from(experts[i]) * i64::from(error) >> shift) as i32;
+        }
+        weights.bias += (BIAS * error) >> shift;
+        decision
+    }
+}
+
+/// A well-spread function of two words.
+#[inline]
+pub(crate) fn hash(a: u32, b: u32) -> u32 {
+    let mut h = a.wrapping_mul(0x9E37_79B1) ^ b.wrapping_add(0x7F4A_7C15).wrapping_mul(0x85EB_CA6B);
+    h ^= h >> 15;
+    h = h.wrapping_mul(0x2C1B_3C6D);
+    h ^= h >> 12;
+    h = h.wrapping_mul(0x297A_2D39);
+    h ^ h >> 15
+}

@@ -1,0 +1,107 @@
+//! What a caller may choose.
+
+use crate::error::{Error, Result};
+use crate::plane::Lattice;
+use crate::surface::Effort;
+
+/// How a mesh is encoded.
+///
+/// ```
+/// # let mesh = gimc::Mesh::from_triangles(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]]);
+/// let bytes = gimc::EncodeOptions::cgim().bits(12).encode(&mesh)?;
+/// # Ok::<(), gimc::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct EncodeOptions {
+    /// How exact positions are kept. Default: 12 bits.
+    pub accuracy: Accuracy,
+    /// Time for size. Default: [`Effort::Default`].
+    pub effort: Effort,
+}
+
+/// How exact positions are kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Accuracy {
+    /// 2^bits lattice points on the longest side of the box; 1 to 24 bits.
+    Bits(u32),
+    /// Lattice points at this distance, in the units of the mesh.
+    Step(f64),
+    /// No point of either surface farther than this from the other, in the units of the mesh.
+    Error(f64),
+    /// The same, as a share of the diagonal of the box.
+    RelativeError(f64),
+    /// A lattice given by the caller: files that share one agree where they meet.
+    Lattice(Lattice),
+}
+
+impl EncodeOptions {
+    /// Keeps the connectivity exactly (method `cgim`), with 12 bits a coordinate.
+    pub fn cgim() -> Self {
+        Self { accuracy: Accuracy::Bits(12), effort: Effort::default() }
+    }
+
+    /// The same with 2^`bits` lattice points on the longest side of the box.
+    pub fn bits(self, bits: u32) -> Self {
+        self.accuracy(Accuracy::Bits(bits))
+    }
+
+    /// The same with lattice points at distance `step`, in the units of the mesh.
+    pub fn step(self, step: f64) -> Self {
+        self.accuracy(Accuracy::Step(step))
+    }
+
+    /// The same with a bound on the Hausdorff distance, in the units of the mesh.
+    pub fn error(self, bound: f64) -> Self {
+        self.accuracy(Accuracy::Error(bound))
+    }
+
+    /// The same with a bound on the Hausdorff distance, as a share of the diagonal of the box.
+    pub fn error_relative(self, bound: f64) -> Self {
+        self.accuracy(Accuracy::RelativeError(bound))
+    }
+
+    /// The same on a given lattice.
+    pub fn lattice(self, origin: [f64; 3], step: f64) -> Self {
+        self.accuracy(Accuracy::Lattice(Lattice { origin, step }))
+    }
+
+    /// The same with another accuracy.
+    pub fn accuracy(mut self, accuracy: Accuracy) -> Self {
+        self.accuracy = accuracy;
+        self
+    }
+
+    /// The same with more or less time for size.
+    pub fn effort(mut self, effort: Effort) -> Self {
+        self.effort = effort;
+        self
+    }
+
+    /// Refuses values that mean nothing.
+    pub(crate) fn check(&self) -> Result<()> {
+        let positive = |what: &str, x: f64| {
+            if x > 0.0 && x.is_finite() {
+                Ok(())
+            } else {
+                Err(Error::Parameter(format!("{what} must be a positive number, found {x}")))
+            }
+        };
+        match self.accuracy {
+            Accuracy::Bits(bits) if !(1..=crate::format::MAX_BITS).contains(&bits) => {
+                Err(Error::Parameter(format!("bits must be 1 to {}, found {bits}", crate::format::MAX_BITS)))
+            }
+            Accuracy::Bits(_) => Ok(()),
+            Accuracy::Step(step) => positive("the step", step),
+            Accuracy::Error(bound) | Accuracy::RelativeError(bound) => positive("the error", bound),
+            Accuracy::Lattice(lattice) => {
+                positive("the step of the lattice", lattice.step)?;
+                match lattice.origin.iter().find(|x| !x.is_finite()) {
+                    Some(x) => Err(Error::Parameter(format!("the origin of the lattice must be finite, found {x}"))),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+}

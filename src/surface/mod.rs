@@ -1,0 +1,130 @@
+//! The codec `surface`: a mesh coded by walking over it.
+//!
+//! First the connectivity ([`walk`]), vertex by vertex, as valences; then, with all of the surface
+//! known, the positions. The one room that knows both meshes and decisions. spec/surface.md is the
+//! normative text.
+
+mod gates;
+mod order;
+#[cfg(feature = "encode")]
+mod original;
+mod positions;
+mod residual;
+mod topology;
+mod valence;
+mod walk;
+
+#[cfg(feature = "encode")]
+pub(crate) use topology::Filled;
+pub(crate) use topology::{Census, Surface};
+
+use crate::entropy::{BitReader, BitWriter};
+use crate::error::Result;
+use crate::limits::Budget;
+use crate::par;
+use crate::task::Task;
+
+/// How much time a file may take for its size. Every decoder reads all three.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Effort {
+    /// Integers only, few contexts.
+    Fast,
+    /// A good size for a moderate time.
+    #[default]
+    Default,
+    /// The smallest size.
+    Best,
+}
+
+/// Vertices that are coded as one stream; larger surfaces are split so that several cores can work.
+const VERTICES_A_STREAM: u32 = 1 << 18;
+
+/// A surface and its positions as bytes.
+#[derive(Debug, Default)]
+pub(crate) struct Streams {
+    pub(crate) connectivity: Vec<u8>,
+    /// One stream for each range of vertices that [`ranges`] gives.
+    pub(crate) positions: Vec<Vec<u8>>,
+}
+
+/// Ranges of vertices (those of holes included) that are coded independently of each other.
+pub(crate) fn ranges(census: Census) -> Vec<std::ops::Range<u32>> {
+    let vertices = census.vertices + census.holes;
+    let count = vertices.div_ceil(VERTICES_A_STREAM).max(1);
+    let at = |i: u32| (u64::from(vertices) * u64::from(i) / u64::from(count)) as u32;
+    (0..count).map(|i| at(i)..at(i + 1)).collect()
+}
+
+/// Memory and steps that reading takes at most.
+pub(crate) fn cost(census: Census) -> (u64, u64) {
+    let vertices = u64::from(census.vertices) + u64::from(census.holes);
+    (vertices * (walk::BYTES_A_VERTEX + positions::BYTES_A_VERTEX), vertices * (6 + positions::STEPS_A_VERTEX))
+}
+
+/// Writes a surface, and the lattice positions of its vertices (`positions[v]` of vertex v of the mesh).
+#[cfg(feature = "encode")]
+pub(crate) fn write(
+    filled: &Filled,
+    positions: &[[i32; 3]],
+    extent: [i32; 3],
+    effort: Effort,
+    task: Task<'_>,
+) -> Result<Streams> {
+    let mut budget = Budget::new(crate::Limits::default().memory(u64::MAX).work(u64::MAX).vertices(u64::MAX));
+    let mut coder = BitWriter::default();
+    let mut guide = original::Original::new(filled);
+    let surface = walk::walk(&mut coder, &mut guide, filled.census, effort, &mut budget, task)?;
+    let order = guide.order;
+    let connectivity = coder.finish();
+
+    let mut met = order.iter();
+    let local: Vec<[i32; 3]> = surface
+        .is_hole
+        .iter()
+        .map(|&hole| if hole { [0; 3] } else { met.next().map_or([0; 3], |&v| positions[v as usize]) })
+        .collect();
+    let outgoing = surface.outgoing();
+    let ranges = ranges(filled.census);
+    let streams = par::map(ranges.len(), |i| {
+        let range = ranges[i].clone();
+        let mut local = local[range.start as usize..range.end as usize].to_vec();
+        let mut coder = BitWriter::default();
+        positions::code(&mut coder, &surface, &outgoing, range, extent, &mut local, task)?;
+        Ok(coder.finish())
+    });
+    Ok(Streams { connectivity, positions: streams.into_iter().collect::<Result<_>>()? })
+}
+
+/// Reads what [`write`] wrote: the surface, and the lattice position of each of its vertices in order.
+pub(crate) fn read(
+    connectivity: &[u8],
+    streams: &[&[u8]],
+    census: Census,
+    extent: [i32; 3],
+    effort: Effort,
+    budget: &mut Budget,
+    task: Task<'_>,
+) -> Result<(Surface, Vec<[i32; 3]>)> {
+    struct Unknown;
+    impl walk::Guide for Unknown {}
+    let surface = walk::walk(&mut BitReader::new(connectivity), &mut Unknown, census, effort, budget, task)?;
+    let vertices = surface.is_hole.len();
+    budget.reserve(vertices as u64 * positions::BYTES_A_VERTEX)?;
+    budget.spend(vertices as u64 * positions::STEPS_A_VERTEX)?;
+    let outgoing = surface.outgoing();
+    let ranges = ranges(census);
+    let parts = par::map(ranges.len(), |i| {
+        let mut local = vec![[0; 3]; ranges[i].len()];
+        let mut coder = BitReader::new(streams[i]);
+        positions::code(&mut coder, &surface, &outgoing, ranges[i].clone(), extent, &mut local, task)?;
+        Ok::<_, crate::Error>(local)
+    });
+    let mut positions = Vec::with_capacity(vertices);
+    for part in parts {
+        positions.extend(part?);
+    }
+    let mut is_hole = surface.is_hole.iter();
+    positions.retain(|_| is_hole.next() == Some(&false));
+    Ok((surface, positions))
+}
