@@ -64,11 +64,13 @@ const GROUND_FLOOR: u32 = 9;
 
 /// Foreign crates and the rooms that may name them.
 const FOREIGN: &[(&str, &[&str])] = &[
+    ("bitvec", &["plane"]),
     ("byteorder", &["bits", "format"]),
     ("clap", &["cli", "main"]),
     ("clap_complete", &["cli"]),
     ("crc32fast", &["bits", "format"]),
     ("glam", &["geom", "mesh", "distance", "param", "simplify", "cgim", "gim", "resize", "eval"]),
+    ("image", &["plane"]),
     ("rayon", &["par"]),
 ];
 
