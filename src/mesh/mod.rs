@@ -7,4 +7,5 @@ mod polygon_mesh;
 
 pub use attribute::{Attribute, AttributeKind, Domain, Label, LabelKind, Scalar};
 pub(crate) use half_edge::HalfEdges;
+pub use io::{Format, Loaded};
 pub use polygon_mesh::{Faces, Mesh};

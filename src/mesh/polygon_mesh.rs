@@ -1,7 +1,7 @@
 //! What users hold: positions, polygons, and whatever else a mesh file said.
 
-use super::attribute::{Attribute, Label, Scalar};
-use crate::error::{MeshDefect, Result};
+use super::attribute::{Attribute, Domain, Label, Scalar};
+use crate::error::{Error, MeshDefect, Result};
 
 /// A mesh: vertices, faces with any number of corners, attributes and labels.
 ///
@@ -31,8 +31,12 @@ pub struct Faces {
 
 impl Faces {
     /// Adds a face at the end.
+    ///
+    /// # Panics
+    /// If all faces together would have 2^32 corners.
     pub fn push(&mut self, corners: &[u32]) {
         self.corners.extend_from_slice(corners);
+        assert!(self.corners.len() < u32::MAX as usize, "a mesh of more corners than u32 counts");
         self.ends.push(self.corners.len() as u32);
     }
 
@@ -97,21 +101,47 @@ impl Mesh {
         Self { positions, precision: Scalar::F32, faces: triangles.into_iter().collect(), ..Self::default() }
     }
 
-    /// Refuses indices out of range and coordinates that are not finite.
+    /// How many vertices, corners or faces there are.
+    pub fn count(&self, domain: Domain) -> usize {
+        match domain {
+            Domain::Vertex => self.positions.len(),
+            Domain::Corner => self.faces.corners().len(),
+            Domain::Face => self.faces.len(),
+        }
+    }
+
+    /// Refuses coordinates that are not finite, and indices, attributes and labels that do not fit the mesh.
     ///
-    /// O(vertices + corners).
+    /// O(vertices + corners + values).
     ///
     /// # Errors
-    /// [`Error::Mesh`](crate::Error::Mesh) with the first such place.
+    /// [`Error::Mesh`] with the first such place; [`Error::Parameter`] about an attribute or a label.
     pub fn check(&self) -> Result<()> {
+        self.check_references()?;
+        match self.positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            Some(vertex) => Err(MeshDefect::NonFinite { vertex: vertex as u32 }.into()),
+            None => Ok(()),
+        }
+    }
+
+    /// The part of [`Mesh::check`] that does not look at coordinates.
+    pub(crate) fn check_references(&self) -> Result<()> {
         let vertices = self.positions.len() as u64;
         for (face, corners) in self.faces.iter().enumerate() {
             if let Some(&index) = corners.iter().find(|&&v| u64::from(v) >= vertices) {
                 return Err(MeshDefect::IndexOutOfRange { face: face as u32, index: index.into(), vertices }.into());
             }
         }
-        match self.positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-            Some(vertex) => Err(MeshDefect::NonFinite { vertex: vertex as u32 }.into()),
+        if let Some(why) = self.attributes.iter().find_map(|a| a.misfit(self.count(a.domain))) {
+            return Err(Error::Parameter(why));
+        }
+        match self.labels.iter().find(|label| label.first_face as usize > self.faces.len()) {
+            Some(label) => Err(Error::Parameter(format!(
+                "label `{}` starts at face {}, and there are {} faces",
+                label.name,
+                label.first_face,
+                self.faces.len()
+            ))),
             None => Ok(()),
         }
     }

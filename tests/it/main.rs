@@ -1,4 +1,5 @@
 //! All integration tests, as modules of one binary: one link and not ten.
 
 mod corpus;
+mod io;
 mod layers;
