@@ -65,7 +65,7 @@ const GROUND_FLOOR: u32 = 9;
 /// Foreign crates and the rooms that may name them.
 const FOREIGN: &[(&str, &[&str])] = &[
     ("bitvec", &["plane"]),
-    ("byteorder", &["bits", "format"]),
+    ("byteorder", &["bits", "format", "mesh"]),
     ("clap", &["cli", "main"]),
     ("clap_complete", &["cli"]),
     ("crc32fast", &["bits", "format"]),
