@@ -96,9 +96,11 @@ impl FromIterator<[u32; 3]> for Faces {
 }
 
 impl Mesh {
-    /// A mesh of triangles and nothing else.
+    /// A mesh of triangles and nothing else; `f32` positions if that changes none of them, or else `f64`.
     pub fn from_triangles(positions: Vec<[f64; 3]>, triangles: impl IntoIterator<Item = [u32; 3]>) -> Self {
-        Self { positions, precision: Scalar::F32, faces: triangles.into_iter().collect(), ..Self::default() }
+        let are_single = positions.as_flattened().iter().all(|&x| f64::from(x as f32) == x || x.is_nan());
+        let precision = if are_single { Scalar::F32 } else { Scalar::F64 };
+        Self { positions, precision, faces: triangles.into_iter().collect(), ..Self::default() }
     }
 
     /// How many vertices, corners or faces there are.

@@ -2,7 +2,10 @@
 
 use std::path::PathBuf;
 
-use gimc::{Error, Format, Loaded, Mesh, Scalar};
+use gimc::{Attribute, AttributeKind, Domain, Error, Format, Label, LabelKind, Loaded, Mesh, Scalar};
+use proptest::collection::vec;
+use proptest::option::weighted;
+use proptest::prelude::*;
 
 /// The folder of real meshes, if the environment names one: `index.tsv` and the files beside it.
 fn real_meshes() -> Option<Vec<(PathBuf, Option<[usize; 2]>)>> {
@@ -72,5 +75,238 @@ fn real_meshes_come_back_from_what_is_written() {
                 assert_eq!(notes, [] as [&str; 0], "{what}");
             }
         }
+    }
+}
+
+/// Writes and reads; the two notes lists must be empty.
+fn there_and_back(mesh: &Mesh, format: Format) -> Mesh {
+    let mut bytes = Vec::new();
+    let notes = mesh.write(format, &mut bytes).unwrap();
+    assert_eq!(notes, [] as [&str; 0]);
+    let loaded = Mesh::read(&bytes, None).unwrap_or_else(|e| panic!("{e}\n{}", bytes.escape_ascii()));
+    assert_eq!((loaded.format, loaded.notes), (format, Vec::<String>::new()));
+    loaded.mesh
+}
+
+/// Numbers that a type can hold, with edges and infinities.
+fn number(scalar: Scalar) -> BoxedStrategy<f64> {
+    match scalar {
+        Scalar::F32 => {
+            any::<u32>().prop_map(|bits| f64::from(f32::from_bits(bits))).prop_filter("NaN", |x| !x.is_nan()).boxed()
+        }
+        Scalar::F64 => prop_oneof![any::<u64>().prop_map(f64::from_bits), (0..1000).prop_map(|i| f64::from(i) / 10.0)]
+            .prop_filter("NaN", |x| !x.is_nan())
+            .boxed(),
+        integer => {
+            let [least, greatest] = integer.range();
+            (least as i64..=greatest as i64).prop_map(|i| i as f64).boxed()
+        }
+    }
+}
+
+/// The type of a kind of number, and so many of them; for text, which shows a type by its values only.
+fn text_numbers(count: usize) -> BoxedStrategy<(Scalar, Vec<f64>)> {
+    prop_oneof![Just(Scalar::F32), Just(Scalar::F64)]
+        .prop_flat_map(move |scalar| (Just(scalar), vec(number(scalar), count)))
+        .prop_map(|(scalar, values)| {
+            let are_single = values.iter().all(|&x| f64::from(x as f32) == x);
+            (if are_single { Scalar::F32 } else { scalar }, values)
+        })
+        .boxed()
+}
+
+fn polygons(vertices: usize) -> impl Strategy<Value = Vec<Vec<u32>>> {
+    vec(vec(0..vertices as u32, 0..6), 0..8)
+}
+
+fn bare(vertices: usize, precision: Scalar, coordinates: &[f64], faces: &[Vec<u32>]) -> Mesh {
+    let mut mesh = Mesh { precision, positions: coordinates.as_chunks().0.to_vec(), ..Mesh::default() };
+    assert_eq!(mesh.positions.len(), vertices);
+    faces.iter().for_each(|face| mesh.faces.push(face));
+    mesh
+}
+
+/// Indices of values in order of appearance are no indices at all, unless some have none.
+fn indexed(mut attribute: Attribute, indices: Vec<u32>) -> Attribute {
+    let in_order = indices.len() == attribute.len() && indices.iter().zip(0..).all(|(&index, i)| index == i);
+    attribute.indices = if in_order { Vec::new() } else { indices };
+    attribute
+}
+
+/// Every second vertex or corner or so has a value of its own, in order.
+fn some(attribute: Attribute, has: &[bool]) -> Attribute {
+    let mut next = 0..;
+    let indices = has.iter().map(|&has| if has { next.next().unwrap() } else { Attribute::NONE }).collect();
+    indexed(attribute, indices)
+}
+
+fn attribute(kind: AttributeKind, name: &str, domain: Domain, width: usize, (scalar, values): (Scalar, Vec<f64>)) -> Attribute {
+    Attribute { kind, name: name.to_owned(), domain, width, scalar, values, indices: Vec::new() }
+}
+
+/// Meshes that OBJ can hold.
+fn obj_mesh() -> impl Strategy<Value = Mesh> {
+    let label = (0..5_usize, "[a-z#\\\\]{0,4}( [a-zé]{1,3})?", 0..10_u32);
+    (1..8_usize)
+        .prop_flat_map(move |n| (text_numbers(3 * n), polygons(n), vec(label.clone(), 0..6)))
+        .prop_flat_map(|((precision, coordinates), faces, labels)| {
+            let mut mesh = bare(coordinates.len() / 3, precision, &coordinates, &faces);
+            mesh.labels = labels
+                .into_iter()
+                .map(|(kind, name, face)| {
+                    use LabelKind::{Group, Material, MaterialLibrary, Object, Smoothing};
+                    let kind = [Object, Group, Material, Smoothing, MaterialLibrary][kind];
+                    Label { kind, name: name.trim().to_owned(), first_face: face.min(mesh.faces.len() as u32) }
+                })
+                .collect();
+            mesh.labels.sort_by_key(|label| label.first_face);
+            let [vertices, corners] = [mesh.positions.len(), mesh.faces.corners().len()];
+            let on_vertices = (vec(any::<bool>(), vertices), prop_oneof![Just(1), Just(3), Just(4)], Just(vertices))
+                .prop_flat_map(|(has, width, vertices)| {
+                    let count = has.iter().filter(|&&has| has).count();
+                    (Just(has), Just(width), text_numbers(width * count), Just(vertices))
+                });
+            let on_corners = move |width| {
+                (1..6_u32).prop_flat_map(move |values| {
+                    let index = weighted(0.8, 0..values).prop_map(|index| index.unwrap_or(Attribute::NONE));
+                    (text_numbers(values as usize * width), vec(index, corners))
+                })
+            };
+            (
+                Just(mesh),
+                weighted(0.5, on_vertices),
+                weighted(0.5, (2..=3_usize).prop_flat_map(move |width| (Just(width), on_corners(width)))),
+                weighted(0.5, on_corners(3)),
+            )
+        })
+        .prop_map(|(mut mesh, on_vertices, texcoords, normals)| {
+            if let Some((has, width, numbers, _)) = on_vertices.filter(|(has, ..)| has.contains(&true)) {
+                let (kind, name) = if width == 1 { (AttributeKind::Other, "w") } else { (AttributeKind::Colour, "r g b") };
+                mesh.attributes.push(some(attribute(kind, name, Domain::Vertex, width, numbers), &has));
+            }
+            let texcoords = texcoords.map(|(width, rest)| (AttributeKind::TexCoord, "vt", width, rest));
+            let normals = normals.map(|rest| (AttributeKind::Normal, "vn", 3, rest));
+            for (kind, name, width, (numbers, indices)) in texcoords.into_iter().chain(normals) {
+                if indices.iter().any(|&index| index != Attribute::NONE) {
+                    let mut attribute = attribute(kind, name, Domain::Corner, width, numbers);
+                    if attribute.len() == mesh.positions.len() && indices == mesh.faces.corners() {
+                        attribute.domain = Domain::Vertex;
+                        mesh.attributes.push(attribute);
+                    } else {
+                        mesh.attributes.push(indexed(attribute, indices));
+                    }
+                }
+            }
+            mesh
+        })
+}
+
+fn scalar() -> impl Strategy<Value = Scalar> {
+    use Scalar::{F32, F64, I8, I16, I32, U8, U16, U32};
+    prop_oneof![Just(I8), Just(U8), Just(I16), Just(U16), Just(I32), Just(U32), Just(F32), Just(F64)]
+}
+
+fn numbers(count: usize) -> impl Strategy<Value = (Scalar, Vec<f64>)> {
+    scalar().prop_flat_map(move |scalar| (Just(scalar), vec(number(scalar), count)))
+}
+
+/// Meshes that PLY can hold.
+fn ply_mesh() -> impl Strategy<Value = Mesh> {
+    use AttributeKind::{Colour, Normal, Other, TexCoord};
+    let on_records = [
+        (Normal, "nx ny nz", 3),
+        (Colour, "red green blue", 3),
+        (Colour, "diffuse_red diffuse_green diffuse_blue diffuse_alpha", 4),
+        (TexCoord, "s t", 2),
+        (TexCoord, "texture_u texture_v", 2),
+        (Other, "quality", 1),
+        (Other, "x1", 1),
+    ];
+    let on_corners = [(TexCoord, "texcoord", 2), (Colour, "color", 4), (Other, "stress", 5), (Normal, "normal", 3)];
+    (0..8_usize)
+        .prop_flat_map(|n| (numbers(3 * n), polygons(n.max(1)), Just(n)))
+        .prop_flat_map(move |((precision, coordinates), faces, n)| {
+            let mesh = bare(n, precision, &coordinates, if n == 0 { &[] } else { &faces });
+            let records = [Domain::Vertex, Domain::Face].map(|domain| {
+                let count = mesh.count(domain);
+                on_records.map(|(_, _, width)| weighted(0.3, numbers(width * count)))
+            });
+            let sizes = mesh.faces.iter().map(<[u32]>::len).collect::<Vec<_>>();
+            let corners = on_corners.map(|(_, _, width)| {
+                let sizes = sizes.clone();
+                let has = vec(any::<bool>(), sizes.len());
+                let list = has.prop_flat_map(move |mut has| {
+                    has.iter_mut().zip(&sizes).for_each(|(has, &size)| *has &= size > 0);
+                    let has =
+                        has.iter().zip(&sizes).flat_map(|(&has, &size)| std::iter::repeat_n(has, size)).collect::<Vec<_>>();
+                    let count = has.iter().filter(|&&has| has).count();
+                    (numbers(width * count), Just(has))
+                });
+                weighted(0.3, list)
+            });
+            (Just(mesh), records, corners)
+        })
+        .prop_map(move |(mut mesh, records, corners)| {
+            for (domain, records) in [Domain::Vertex, Domain::Face].into_iter().zip(records) {
+                for ((kind, name, width), numbers) in on_records.into_iter().zip(records) {
+                    mesh.attributes.extend(numbers.map(|numbers| attribute(kind, name, domain, width, numbers)));
+                }
+            }
+            for ((kind, name, width), list) in on_corners.into_iter().zip(corners) {
+                let list = list.filter(|(_, has)| has.contains(&true));
+                mesh.attributes
+                    .extend(list.map(|(numbers, has)| some(attribute(kind, name, Domain::Corner, width, numbers), &has)));
+            }
+            mesh
+        })
+}
+
+/// Meshes that OFF can hold.
+fn off_mesh() -> impl Strategy<Value = Mesh> {
+    let colours = |count: usize| {
+        (3..=4_usize).prop_flat_map(move |width| {
+            let bytes = vec(number(Scalar::U8), width * count).prop_map(|values| (Scalar::U8, values));
+            (Just(width), prop_oneof![bytes, text_numbers(width * count)])
+        })
+    };
+    (1..8_usize)
+        .prop_flat_map(|n| (text_numbers(3 * n), polygons(n)))
+        .prop_flat_map(move |((precision, coordinates), faces)| {
+            let n = coordinates.len() / 3;
+            let mesh = bare(n, precision, &coordinates, &faces);
+            let on_faces = vec(any::<bool>(), faces.len()).prop_flat_map(move |has| {
+                let count = has.iter().filter(|&&has| has).count();
+                (Just(has), colours(count))
+            });
+            let [normals, texcoords] = [3, 2].map(|width| weighted(0.5, text_numbers(width * n)));
+            (Just(mesh), normals, texcoords, weighted(0.5, colours(n)), weighted(0.5, on_faces))
+        })
+        .prop_map(|(mut mesh, normals, texcoords, colours, on_faces)| {
+            let name = |width: usize| if width == 4 { "r g b a" } else { "r g b" };
+            let normals = normals.map(|n| attribute(AttributeKind::Normal, "nx ny nz", Domain::Vertex, 3, n));
+            let texcoords = texcoords.map(|n| attribute(AttributeKind::TexCoord, "s t", Domain::Vertex, 2, n));
+            let colours = colours.map(|(width, n)| attribute(AttributeKind::Colour, name(width), Domain::Vertex, width, n));
+            let on_faces = on_faces
+                .filter(|(has, _)| has.contains(&true))
+                .map(|(has, (width, n))| some(attribute(AttributeKind::Colour, name(width), Domain::Face, width, n), &has));
+            mesh.attributes = [normals, texcoords, colours, on_faces].into_iter().flatten().collect();
+            mesh
+        })
+}
+
+proptest! {
+    #[test]
+    fn obj_gives_back_all_that_it_can_hold(mesh in obj_mesh()) {
+        prop_assert_eq!(there_and_back(&mesh, Format::Obj), mesh);
+    }
+
+    #[test]
+    fn ply_gives_back_all_that_it_can_hold(mesh in ply_mesh()) {
+        prop_assert_eq!(there_and_back(&mesh, Format::Ply), mesh);
+    }
+
+    #[test]
+    fn off_gives_back_all_that_it_can_hold(mesh in off_mesh()) {
+        prop_assert_eq!(there_and_back(&mesh, Format::Off), mesh);
     }
 }

@@ -160,7 +160,8 @@ fn note_losses(mesh: &Mesh, format: &str, notes: &mut Vec<String>, kept: impl Fn
 fn note_rounding(what: &str, values: &[f64], scalar: Scalar, notes: &mut Vec<String>) {
     let changed = values.iter().filter(|&&x| scalar.nearest(x) != x && !(scalar.is_float() && x.is_nan())).count();
     if changed > 0 {
-        notes.push(format!("{} of {what} rounded to {scalar:?}", count(changed, "number")));
+        let are = if changed == 1 { "is" } else { "are" };
+        notes.push(format!("{} of {what} {are} rounded to {scalar:?}", count(changed, "number")));
     }
 }
 

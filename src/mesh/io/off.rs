@@ -359,3 +359,93 @@ fn numbers(out: &mut Sink<'_>, attribute: &Attribute, element: usize, print: Pri
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::io::Format;
+
+    fn read(text: &str) -> Result<crate::Loaded> {
+        Mesh::read(text.as_bytes(), Some(Format::Off))
+    }
+
+    fn fails(text: &str) -> String {
+        read(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn counts_may_stand_on_the_first_line_or_the_next_and_comments_anywhere() {
+        let same = [
+            "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+            "# made by hand\n\nOFF # it is\r\n3 1\r\n\r\n0 0 0#first\r\n1 0 0\r\n#none\r\n0 1 0\r\n3 0 1 2",
+            "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2",
+            "OFF\n3\n1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2",
+        ];
+        for text in same {
+            assert_eq!(read(text).unwrap().mesh, read(same[0]).unwrap().mesh, "{text}");
+        }
+        assert_eq!(read(same[0]).unwrap().mesh.faces.get(0), [0, 1, 2]);
+    }
+
+    #[test]
+    fn every_variant_has_its_numbers_in_their_order() {
+        let text = "STCNOFF\n2 0 0\n0 0 0 0 0 1 255 0 10 0.5 0.25\n1 0 0 0 1 0 1 2 3 1 0\n";
+        let mesh = read(text).unwrap().mesh;
+        let found = mesh.attributes.iter().map(|a| (a.kind, a.scalar, a.values.as_slice())).collect::<Vec<_>>();
+        assert_eq!(
+            found,
+            [
+                (AttributeKind::Normal, Scalar::F32, &[0.0, 0.0, 1.0, 0.0, 1.0, 0.0][..]),
+                (AttributeKind::TexCoord, Scalar::F32, &[0.5, 0.25, 1.0, 0.0]),
+                (AttributeKind::Colour, Scalar::U8, &[255.0, 0.0, 10.0, 1.0, 2.0, 3.0]),
+            ]
+        );
+        let mut out = Vec::new();
+        assert_eq!(mesh.write(Format::Off, &mut out).unwrap(), [] as [&str; 0]);
+        assert_eq!(String::from_utf8(out).unwrap(), text);
+    }
+
+    #[test]
+    fn colours_are_integers_or_floats_on_vertices_and_on_some_faces() {
+        let text = "OFF\n3 3 0\n0 0 0 1.0 0.5 0.0 1.0\n1 0 0 1.0 0.5 0.0 1.0\n0 1 0 1.0 0.5 0.0 1.0\n3 0 1 2 255 0 0\n3 0 1 2\n2 0 1 0 0 255\n";
+        let mesh = read(text).unwrap().mesh;
+        assert_eq!((mesh.attributes[0].width, mesh.attributes[0].scalar), (4, Scalar::F32));
+        let on_faces = &mesh.attributes[1];
+        assert_eq!(
+            (on_faces.domain, on_faces.scalar, on_faces.indices.as_slice()),
+            (Domain::Face, Scalar::U8, &[0, Attribute::NONE, 1][..])
+        );
+        let mut out = Vec::new();
+        mesh.write(Format::Off, &mut out).unwrap();
+        assert_eq!(String::from_utf8(out).unwrap(), text.replacen("OFF", "COFF", 1));
+        let odd = read("OFF\n1 3 0\n0 0 0\n1 0 7\n1 0 1 2 3\n1 0 1 2 3 4\nmore").unwrap();
+        assert_eq!(
+            odd.notes,
+            [
+                "the colours of 2 faces are not of one kind with the others and left out",
+                "what follows the last face, from line 7 on, is not kept",
+            ]
+        );
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        assert_eq!(fails(""), "expected OFF, found nothing");
+        assert_eq!(fails("OBJ\n"), "line 1: expected OFF, found \"OBJ\"");
+        assert_eq!(fails("4OFF\n1 0 0\n"), "OFF variant 4OFF is not supported by this version");
+        assert_eq!(fails("OFF BINARY\n"), "OFF variant BINARY is not supported by this version");
+        assert_eq!(fails("OFF\n1"), "line 2: expected the number of faces, found the end of the file");
+        assert_eq!(fails("OFF\n-1 0 0"), "line 2: expected the number of vertices, found \"-1\"");
+        assert_eq!(
+            fails("OFF\n99999999 1 0\n0 0 0"),
+            "line 2: 99999999 vertices and 1 faces are announced, and 6 bytes follow"
+        );
+        assert_eq!(fails("OFF\n2 0 0\n0 0 0 # pad\n"), "line 4: 2 vertices are announced, and the file ends after 1");
+        assert_eq!(fails("OFF\n1 1 0\n0 0\n3 0 0 0"), "line 3: expected 3 coordinates, found 2");
+        assert_eq!(fails("OFF\n2 0 0\n0 0 0\n0 0 0 1 1 1"), "line 4: expected 3 numbers as on the first vertex, found 6");
+        assert_eq!(fails("COFF\n1 0 0\n0 0 0 1 1"), "line 3: expected 3 numbers and 3 or 4 of the colour, found 5");
+        assert_eq!(fails("OFF\n1 1 0\n0 0 0\n3 0 0"), "line 4: expected 3 corners, found 2");
+        assert_eq!(fails("OFF\n1 1 0\n0 0 0\n3 0 0 1"), "line 4: the face names vertex 1, and there are 1 (counted from 0)");
+        assert_eq!(fails("OFF\n1 1 0\n0 0 0\nthree"), "line 4: expected an index, found \"three\"");
+    }
+}

@@ -229,5 +229,87 @@ fn normal([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
     let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
     let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
     let length = n.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if length > 0.0 && length.is_finite() { n.map(|x| x / length) } else { [0.0; 3] }
+    if length > 0.0 && length.is_finite() { n.map(|x| x / length + 0.0) } else { [0.0; 3] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::io::Format;
+
+    const TEXT: &str = "solid left half\nfacet normal 0 0 1\n  outer loop\n    vertex 0 0 0\n    vertex 1 0 0\n    vertex 0.1 1e0 -0\n  endloop\nendfacet\n\
+                        endsolid left half\nsolid\nFACET NORMAL nan nan nan OUTER LOOP\nVERTEX 1 0 0 VERTEX -0 0 0 VERTEX 0.1 -1 0\nENDLOOP ENDFACET\nendsolid\n";
+
+    fn read(bytes: &[u8]) -> Result<crate::Loaded> {
+        Mesh::read(bytes, Some(Format::Stl))
+    }
+
+    #[test]
+    fn equal_corners_are_one_vertex_in_order_of_appearance() {
+        let loaded = read(TEXT.as_bytes()).unwrap();
+        let mesh = loaded.mesh;
+        assert_eq!(
+            mesh.positions,
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [f64::from(0.1_f32), 1.0, 0.0], [f64::from(0.1_f32), -1.0, 0.0]]
+        );
+        assert_eq!(mesh.faces.iter().collect::<Vec<_>>(), [[0, 1, 2], [1, 0, 3]]);
+        let labels = mesh.labels.iter().map(|l| (l.name.as_str(), l.first_face)).collect::<Vec<_>>();
+        assert_eq!(labels, [("left half", 0), ("", 1)]);
+        assert_eq!(loaded.notes, ["facet normals are not kept: they follow from the corners"]);
+    }
+
+    #[test]
+    fn a_binary_file_comes_back_with_its_attribute_bits() {
+        let mut mesh = read(TEXT.as_bytes()).unwrap().mesh;
+        mesh.labels.clear();
+        mesh.attributes.push(Attribute {
+            kind: AttributeKind::Other,
+            name: BITS.to_owned(),
+            domain: Domain::Face,
+            width: 1,
+            scalar: Scalar::U16,
+            values: vec![0.0, 0x801f.into()],
+            indices: Vec::new(),
+        });
+        let mut bytes = Vec::new();
+        assert_eq!(mesh.write(Format::Stl, &mut bytes).unwrap(), [] as [&str; 0]);
+        assert_eq!(bytes.len(), 84 + 2 * 50);
+        assert_eq!(&bytes[84..96], [0_f32, 0.0, 1.0].map(f32::to_le_bytes).as_flattened());
+        assert_eq!(read(&bytes).unwrap().mesh, mesh);
+        // Many binary files begin with the word that text files begin with.
+        bytes[..5].copy_from_slice(b"solid");
+        assert_eq!(read(&bytes).unwrap().mesh, mesh);
+    }
+
+    #[test]
+    fn what_stl_cannot_hold_is_said() {
+        let mut mesh =
+            Mesh::from_triangles(vec![[0.1, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [5.0, 5.0, 5.0]], []);
+        mesh.faces.push(&[0, 1, 2, 3]);
+        mesh.faces.push(&[0, 1]);
+        let notes = mesh.write(Format::Stl, std::io::sink()).unwrap();
+        assert_eq!(
+            notes,
+            [
+                "1 number of the positions is rounded to F32",
+                "STL files hold triangles only: 1 polygon cut into fans",
+                "STL files hold triangles only: 1 face of fewer than 3 corners left out",
+                "STL files do not hold vertices that no face uses: 1 left out",
+            ]
+        );
+    }
+
+    #[test]
+    fn errors_name_the_line_or_the_byte() {
+        let fails = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
+        assert_eq!(fails(b"solid\nvertex 0 0\n"), "line 2: expected 3 coordinates, found 2");
+        assert_eq!(fails(b"solid\nvertex 0 0 0 vertex 0 0 0\nendloop"), "line 3: expected 3 vertices in a loop, found 2");
+        assert_eq!(fails(b"solid\nvertex 0 0 0"), "line 2: the file ends inside a facet");
+        assert_eq!(fails(b"solid\nface"), "line 2: expected an STL keyword, found \"face\"");
+        assert_eq!(fails(b"half"), "expected `solid`, or 84 bytes of a binary header, found 4 bytes");
+        let mut short = [0; 84 + 49];
+        short[80] = 1;
+        assert_eq!(fails(&short), "byte 80: 1 facets of 50 bytes are announced, and 49 bytes follow");
+        assert_eq!(read(&[0; 90]).unwrap().notes, ["6 bytes after the last facet are not kept"]);
+    }
 }
