@@ -1,5 +1,7 @@
 //! Mesh files in and out, over files that others made.
 
+#![allow(clippy::unwrap_used)] // in helpers of tests, which clippy does not see as tests
+
 use std::path::PathBuf;
 
 use gimc::{Attribute, AttributeKind, Domain, Error, Format, Label, LabelKind, Loaded, Mesh, Scalar};
@@ -308,5 +310,89 @@ proptest! {
     #[test]
     fn off_gives_back_all_that_it_can_hold(mesh in off_mesh()) {
         prop_assert_eq!(there_and_back(&mesh, Format::Off), mesh);
+    }
+}
+
+/// A file of each format with everything in it that the format has.
+fn rich_files() -> Vec<(Format, Vec<u8>)> {
+    let text = "mtllib a.mtl\no cube\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 0.5 1 1 1\nvt 0 0\nvt 1 0.25\nvn 0 0 1\n\
+                usemtl red\ns 1\nf 1/1/1 2/2/1 3/1/1\nf -4//-1 -2//-1 -1//-1 \\\n1//1\ng rest\nf 1 2\nl 1 2\n";
+    let ply = "ply\nformat ascii 1.0\ncomment x\nelement vertex 3\nproperty float x\nproperty double y\nproperty short z\nproperty uchar red\n\
+               property uchar green\nproperty uchar blue\nproperty list char int more\nelement face 2\nproperty list uchar uint vertex_indices\n\
+               property float q\nproperty list uchar float texcoord\nelement edge 1\nproperty int a\nend_header\n0 0 0 1 2 3 1 7\n1 0 0 4 5 6 0\n\
+               0 1 0 7 8 9 2 7 8\n3 0 1 2 .5 6 0 0 1 0 0 1\n2 0 1 .25 0\n4\n";
+    let off = "STCNOFF # all\n3 2 0\n0 0 0 0 0 1 1 0 0.5 0 0\n1 0 0 0 0 1 1 0 0.5 0 0\n0 1 0 0 0 1 1 0 0.5 1 1\n3 0 1 2 255 0 0\n2 0 1\n";
+    let stl = "solid a b\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a b\n";
+    let mut files = vec![
+        (Format::Obj, text.as_bytes().to_vec()),
+        (Format::Ply, ply.as_bytes().to_vec()),
+        (Format::Off, off.as_bytes().to_vec()),
+        (Format::Stl, stl.as_bytes().to_vec()),
+    ];
+    for (format, text) in files.clone() {
+        // The binary twins of PLY and STL.
+        let mesh = Mesh::read(&text, Some(format)).unwrap().mesh;
+        let mut bytes = Vec::new();
+        mesh.write(format, &mut bytes).unwrap();
+        files.push((format, bytes));
+    }
+    files
+}
+
+/// Whatever the bytes are, there is a mesh that fits together or an error with a text.
+fn is_harmless(bytes: &[u8], format: Option<Format>) {
+    match Mesh::read(bytes, format) {
+        Ok(loaded) => {
+            let mut mesh = loaded.mesh;
+            mesh.positions.as_flattened_mut().iter_mut().for_each(|x| *x = if x.is_finite() { *x } else { 0.0 });
+            mesh.check().unwrap_or_else(|e| panic!("{e}: {}", bytes.escape_ascii()));
+            assert!(mesh.positions.len() + mesh.faces.corners().len() <= bytes.len() + 1);
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+#[test]
+fn files_cut_anywhere_or_with_any_bit_changed_do_no_harm() {
+    for (format, bytes) in rich_files() {
+        for end in 0..bytes.len() {
+            is_harmless(&bytes[..end], Some(format));
+            is_harmless(&bytes[..end], None);
+        }
+        let mut changed = bytes.clone();
+        for bit in 0..8 * bytes.len() {
+            changed[bit / 8] ^= 1 << (bit % 8);
+            is_harmless(&changed, Some(format));
+            changed[bit / 8] = bytes[bit / 8];
+        }
+        for i in 0..bytes.len() {
+            for byte in *b"\0\n\r #-9/\\.e\xff" {
+                changed[i] = byte;
+                is_harmless(&changed, Some(format));
+                changed[i] = bytes[i];
+            }
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn pieces_of_files_in_any_order_do_no_harm(pieces in vec((0..8_usize, any::<prop::sample::Index>(), 0..30_usize), 0..12), start in 0..60_usize) {
+        let files = rich_files();
+        let (format, first) = &files[start % files.len()];
+        let mut bytes = first[..start.min(first.len())].to_vec();
+        for (file, place, length) in pieces {
+            let from = &files[file].1;
+            let at = place.index(from.len());
+            bytes.extend_from_slice(&from[at..(at + length).min(from.len())]);
+        }
+        is_harmless(&bytes, Some(*format));
+        is_harmless(&bytes, None);
+    }
+
+    #[test]
+    fn any_bytes_do_no_harm(bytes in vec(any::<u8>(), 0..200), format in 0..4_usize) {
+        is_harmless(&bytes, Some(Format::ALL[format]));
+        is_harmless(&[b"ply\nformat binary_little_endian 1.0\n", bytes.as_slice()].concat(), None);
     }
 }

@@ -50,7 +50,7 @@ impl Table {
 
     /// The attribute of `elements` vertices or corners; nothing if none of them has a value.
     pub(super) fn finish(mut self, kind: AttributeKind, name: &str, domain: Domain, elements: usize) -> Option<Attribute> {
-        if self.indices.is_empty() {
+        if self.indices.iter().all(|&index| index == Attribute::NONE) {
             return None;
         }
         self.indices.resize(elements, Attribute::NONE);
