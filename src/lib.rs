@@ -39,7 +39,7 @@ pub use decode::{ChunkInfo, Decoder, Info};
 pub use encode::Encoded;
 pub use error::{Error, MeshDefect, Place, Result};
 pub use limits::Limits;
-pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Label, LabelKind, Loaded, Mesh, Scalar};
+pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Label, LabelKind, Loaded, Mesh, Scalar};
 #[cfg(feature = "encode")]
 pub use options::{Accuracy, EncodeOptions};
 pub use plane::Lattice;
