@@ -143,7 +143,7 @@ impl Error {
                 Some(format!("if the file is trusted, raise the limit: --limit-{which} {wanted}"))
             }
             Self::Mesh(MeshDefect::Empty | MeshDefect::NonFinite { .. } | MeshDefect::IndexOutOfRange { .. }) => None,
-            Self::Mesh(_) => Some("`gimc inspect MESH` lists every such place".into()),
+            Self::Mesh(_) => Some("`gimc inspect MESH` tells all that is wrong with it".into()),
             _ => None,
         }
     }

@@ -42,6 +42,7 @@ pub use limits::Limits;
 pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Label, LabelKind, Loaded, Mesh, Scalar};
 #[cfg(feature = "encode")]
 pub use options::{Accuracy, EncodeOptions};
+pub use par::with_threads;
 pub use plane::Lattice;
 pub use surface::Effort;
 pub use task::Task;

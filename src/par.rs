@@ -22,3 +22,22 @@ pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
     #[cfg(not(feature = "parallel"))]
     (a(), b())
 }
+
+/// Runs `f` with at most `threads` threads (0: as many as there are cores). Results do not depend on the number.
+///
+/// Without the feature `parallel`, just runs `f`.
+///
+/// # Errors
+/// If the operating system refuses to start threads.
+pub fn with_threads<T: Send>(threads: usize, f: impl FnOnce() -> T + Send) -> crate::error::Result<T> {
+    #[cfg(feature = "parallel")]
+    {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        Ok(pool.map_err(std::io::Error::other)?.install(f))
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        let _ = threads;
+        Ok(f())
+    }
+}

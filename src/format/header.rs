@@ -154,6 +154,7 @@ impl Header {
         let corners = [self.corner(false), self.corner(true)];
         if step <= 0.0
             || origin.iter().chain(corners.iter().flatten()).chain([&step]).any(|x| !x.is_finite())
+            || !self.double && corners.iter().flatten().any(|&x| !(x as f32).is_finite())
             || self.low.into_iter().any(far)
         {
             return Err(r.error("a lattice whose points are not finite numbers"));

@@ -48,21 +48,27 @@ pub fn any(seed: u64, faces: usize) -> Shape {
         5 => components(n, 1 + holes as usize, part_seed),
         6 => grid(n),
         7 => sphere(n),
-        // A tetrahedron and a lone triangle: the smallest of both sorts.
-        _ => {
-            let mut shape = Shape {
-                positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-                triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]],
-            };
-            let triangle = Shape { positions: shape.positions[..3].to_vec(), triangles: vec![[0, 1, 2]] };
-            shape.append(&triangle, 0.5, [2.0, 0.25, -1.0]);
-            shape
-        }
+        _ => smallest(),
     };
+    // So few triangles can leave nothing of a terrain.
+    if shape.triangles.is_empty() {
+        shape = smallest();
+    }
     if random.below(2) == 0 {
         let mut mesh = edit::Editable::new(shape);
         mesh.flip_some(0.3, false, &mut random);
         shape = mesh.finish();
     }
     if random.below(2) == 0 { shape.shuffled(random.bits()) } else { shape }
+}
+
+/// A tetrahedron and a lone triangle: the smallest closed and the smallest open part.
+fn smallest() -> Shape {
+    let mut shape = Shape {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]],
+    };
+    let triangle = Shape { positions: shape.positions[..3].to_vec(), triangles: vec![[0, 1, 2]] };
+    shape.append(&triangle, 0.5, [2.0, 0.25, -1.0]);
+    shape
 }
