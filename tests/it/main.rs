@@ -1,5 +1,7 @@
 //! All integration tests, as modules of one binary: one link and not ten.
 
+#![allow(clippy::unwrap_used)] // what a test does not expect should fail it
+
 mod corpus;
 mod determinism;
 mod io;
