@@ -89,7 +89,17 @@ fn place(accuracy: Accuracy, draft: Header, mesh: &Mesh, used: &HalfEdges) -> Re
     match accuracy {
         Accuracy::Bits(bits) => {
             let axis = (0..3).fold(0, |best, i| if sides[i] > sides[best] { i } else { best });
-            on_lattice(LatticeForm::Box { bits, low, axis, high: high[axis] }, draft, mesh, used)
+            // In single precision the corners of the box take half the bytes; they may then lie a little outside.
+            let outward = |x: f64, up: bool| {
+                let x32 = x as f32;
+                match (draft.double, up) {
+                    (true, _) => x,
+                    (_, true) => f64::from(if f64::from(x32) < x { x32.next_up() } else { x32 }),
+                    (_, false) => f64::from(if f64::from(x32) > x { x32.next_down() } else { x32 }),
+                }
+            };
+            let low = low.map(|x| outward(x, false));
+            on_lattice(LatticeForm::Box { bits, low, axis, high: outward(high[axis], true) }, draft, mesh, used)
         }
         Accuracy::Step(step) => on_lattice(free(step), draft, mesh, used),
         Accuracy::Lattice(lattice) => on_lattice(LatticeForm::Free(lattice), draft, mesh, used),

@@ -5,10 +5,11 @@
 //! normative text.
 
 mod gates;
+mod learned;
 mod order;
 #[cfg(feature = "encode")]
 mod original;
-mod positions;
+mod plain;
 mod residual;
 mod topology;
 mod valence;
@@ -18,7 +19,7 @@ mod walk;
 pub(crate) use topology::Filled;
 pub(crate) use topology::{Census, Surface};
 
-use crate::entropy::{BitReader, BitWriter};
+use crate::entropy::{BitCoder, BitReader, BitWriter};
 use crate::error::Result;
 use crate::limits::Budget;
 use crate::par;
@@ -59,7 +60,7 @@ pub(crate) fn ranges(census: Census) -> Vec<std::ops::Range<u32>> {
 /// Memory and steps that reading takes at most.
 pub(crate) fn cost(census: Census) -> (u64, u64) {
     let vertices = u64::from(census.vertices) + u64::from(census.holes);
-    (vertices * (walk::BYTES_A_VERTEX + positions::BYTES_A_VERTEX), vertices * (6 + positions::STEPS_A_VERTEX))
+    (vertices * (walk::BYTES_A_VERTEX + learned::BYTES_A_VERTEX), vertices * (6 + learned::STEPS_A_VERTEX))
 }
 
 /// Writes a surface, and the lattice positions of its vertices (`positions[v]` of vertex v of the mesh).
@@ -84,13 +85,13 @@ pub(crate) fn write(
         .iter()
         .map(|&hole| if hole { [0; 3] } else { met.next().map_or([0; 3], |&v| positions[v as usize]) })
         .collect();
-    let outgoing = surface.outgoing();
+    let positions = Positions::new(&surface, extent, effort);
     let ranges = ranges(filled.census);
     let streams = par::map(ranges.len(), |i| {
         let range = ranges[i].clone();
         let mut local = local[range.start as usize..range.end as usize].to_vec();
         let mut coder = BitWriter::default();
-        positions::code(&mut coder, &surface, &outgoing, range, extent, &mut local, task)?;
+        positions.code(&mut coder, range, &mut local, task)?;
         Ok(coder.finish())
     });
     Ok(Streams { connectivity, positions: streams.into_iter().collect::<Result<_>>()? })
@@ -110,21 +111,54 @@ pub(crate) fn read(
     impl walk::Guide for Unknown {}
     let surface = walk::walk(&mut BitReader::new(connectivity), &mut Unknown, census, effort, budget, task)?;
     let vertices = surface.is_hole.len();
-    budget.reserve(vertices as u64 * positions::BYTES_A_VERTEX)?;
-    budget.spend(vertices as u64 * positions::STEPS_A_VERTEX)?;
-    let outgoing = surface.outgoing();
+    budget.reserve(vertices as u64 * learned::BYTES_A_VERTEX)?;
+    budget.spend(vertices as u64 * learned::STEPS_A_VERTEX)?;
+    let positions = Positions::new(&surface, extent, effort);
     let ranges = ranges(census);
     let parts = par::map(ranges.len(), |i| {
         let mut local = vec![[0; 3]; ranges[i].len()];
         let mut coder = BitReader::new(streams[i]);
-        positions::code(&mut coder, &surface, &outgoing, ranges[i].clone(), extent, &mut local, task)?;
+        positions.code(&mut coder, ranges[i].clone(), &mut local, task)?;
         Ok::<_, crate::Error>(local)
     });
-    let mut positions = Vec::with_capacity(vertices);
+    let mut all = Vec::with_capacity(vertices);
     for part in parts {
-        positions.extend(part?);
+        all.extend(part?);
     }
     let mut is_hole = surface.is_hole.iter();
-    positions.retain(|_| is_hole.next() == Some(&false));
-    Ok((surface, positions))
+    all.retain(|_| is_hole.next() == Some(&false));
+    Ok((surface, all))
+}
+
+/// The coder of positions that an effort uses, and what all its streams share.
+struct Positions<'a> {
+    surface: &'a Surface,
+    outgoing: Vec<u32>,
+    extent: [i32; 3],
+    effort: Effort,
+    degrees: Option<learned::Degrees>,
+}
+
+impl<'a> Positions<'a> {
+    fn new(surface: &'a Surface, extent: [i32; 3], effort: Effort) -> Self {
+        let degrees = (effort != Effort::Fast).then(|| learned::Degrees::new(surface));
+        Self { surface, outgoing: surface.outgoing(), extent, effort, degrees }
+    }
+
+    fn code<C: BitCoder>(
+        &self,
+        coder: &mut C,
+        range: std::ops::Range<u32>,
+        positions: &mut [[i32; 3]],
+        task: Task<'_>,
+    ) -> Result<()> {
+        let Self { surface, outgoing, extent, .. } = self;
+        match (&self.degrees, self.effort) {
+            (None, _) => plain::code(coder, surface, outgoing, range, *extent, positions, task),
+            (Some(degrees), Effort::Best) => {
+                learned::code_full(coder, surface, outgoing, degrees, range, *extent, positions, task)
+            }
+            (Some(degrees), _) => learned::code_lean(coder, surface, outgoing, degrees, range, *extent, positions, task),
+        }
+    }
 }

@@ -66,9 +66,9 @@ impl<const N: usize> Model<N> {
         let options = MixerOptions {
             lines_log2: (vertices.max(1).ilog2()).clamp(6, 12),
             sets: 16,
-            start: (65536.0 * 0.9 / N as f64) as i32,
-            rate_shift: 4,
-            count_limit: 500,
+            start: (65536.0 * 1.2 / N as f64) as i32,
+            rate_shift: if N <= 4 { 5 } else { 6 },
+            count_limit: 400,
         };
         Self { mixer: Mixer::new(options, []), history: 0 }
     }

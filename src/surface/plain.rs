@@ -15,10 +15,6 @@ use crate::task::Task;
 /// Contexts a residual.
 const CONTEXTS: usize = 5;
 
-/// Memory that [`code`] needs, and steps that it takes, a vertex.
-pub(super) const BYTES_A_VERTEX: u64 = 2 * 12 + 4 + 4 + 1 + 1 + 16;
-pub(super) const STEPS_A_VERTEX: u64 = 64;
-
 /// A vertex without known neighbours has no size to go by.
 const NO_SIZE: u32 = 31;
 

@@ -1,0 +1,580 @@
+//! Positions with learned predictions: the efforts `default` and `best`.
+//!
+//! For every vertex, in the order of [`order`](super::order): the [`features`] that its neighbours
+//! suggest are summed with weights learned by [`least_squares`]; [`scale`] learns how far off that
+//! will be, along the normal and across it; each coordinate, given those before it, becomes a
+//! density ([`density`]), which [`coordinate`] mixes with adaptive contexts into chances.
+//!
+//! Everything a reader must repeat is + − × ÷ √ on `f64` in a fixed order. spec/surface.md,
+//! "Positions, learned".
+
+mod coordinate;
+mod density;
+mod features;
+mod least_squares;
+mod local;
+mod math;
+mod palette;
+mod quadric;
+mod ring;
+mod scale;
+mod vector;
+
+use self::coordinate::Coordinates;
+use self::density::{Logistic, SCALE};
+use self::features::View;
+use self::least_squares::LeastSquares;
+use self::local::Local;
+use self::math::{cot, ln};
+use self::palette::Values;
+use self::ring::{Gate, Ring, Sums};
+use self::scale::{Expected, Scale};
+use self::vector::Vector;
+use super::order::Order;
+use super::topology::Surface;
+use crate::entropy::{BitCoder, hash};
+use crate::error::{Error, Place, Result};
+use crate::mesh::half_edge::{next, prev};
+use crate::task::Task;
+
+/// Memory that [`code`] needs, and steps that it takes, a vertex.
+pub(super) const BYTES_A_VERTEX: u64 = 2 * 12 + 4 + 1 + 1 + 16 + 32 + 16 + 64 + 4;
+pub(super) const STEPS_A_VERTEX: u64 = 1024;
+
+/// Connectivity as the features see it: the same for all ranges of a surface.
+#[derive(Debug)]
+pub(super) struct Degrees {
+    /// Faces around each vertex; at the boundary twice those of the mesh, as if the other half were there.
+    degree: Vec<f64>,
+    is_boundary: Vec<bool>,
+    /// Cotangents of the angles at two corners of a triangle whose angles are inverse to valences.
+    cotangents: Vec<[f64; 2]>,
+}
+
+/// Valences from 3 to this have entries of their own in the table of cotangents.
+const VALENCE_CAP: usize = 15;
+
+impl Degrees {
+    pub(super) fn new(surface: &Surface) -> Self {
+        let mut is_boundary = vec![false; surface.valence.len()];
+        for t in &surface.triangles {
+            if t.iter().any(|&v| surface.is_hole[v as usize]) {
+                t.iter().for_each(|&v| is_boundary[v as usize] = true);
+            }
+        }
+        let degree = surface.valence.iter().zip(&is_boundary).map(|(&valence, &boundary)| {
+            let valence = f64::from(valence);
+            if boundary { (2.0 * (valence - 2.0)).max(3.0) } else { valence }
+        });
+        let degree = degree.collect();
+        let range = VALENCE_CAP - 2;
+        let cotangents = (0..range * range * range).map(|i| {
+            let inverse = [i / range / range, i / range % range, i % range].map(|d| 1.0 / (d + 3) as f64);
+            let s = std::f64::consts::PI / (inverse[0] + inverse[1] + inverse[2]);
+            [cot(s * inverse[0]), cot(s * inverse[1])]
+        });
+        Self { degree, is_boundary, cotangents: cotangents.collect() }
+    }
+}
+
+/// Everything known when a vertex is predicted.
+pub(super) struct Scene<'a> {
+    surface: &'a Surface,
+    outgoing: &'a [u32],
+    degrees: &'a Degrees,
+    order: Order<'a>,
+    first: u32,
+    positions: Vec<Vector>,
+    residuals: Vec<Vector>,
+    /// |residual| along the normal and across it.
+    errors: Vec<[f64; 2]>,
+    /// No residual is larger.
+    largest: f64,
+}
+
+impl Scene<'_> {
+    #[inline]
+    fn at(&self, v: u32) -> Vector {
+        self.positions[(v - self.first) as usize]
+    }
+
+    #[inline]
+    fn residual(&self, v: u32) -> Vector {
+        self.residuals[(v - self.first) as usize]
+    }
+
+    fn parallelogram(&self, g: &Gate) -> Vector {
+        self.at(g.a) + self.at(g.b) - self.at(g.c)
+    }
+
+    /// The two other half-edges of the face of `h`.
+    fn sides(&self, h: u32) -> [u32; 2] {
+        [next(h), prev(h)]
+    }
+
+    fn ends(&self, h: u32) -> [Vector; 2] {
+        [self.at(self.surface.from(h)), self.at(self.surface.from(next(h)))]
+    }
+
+    /// The position of the vertex across `h`, if it is known.
+    fn known_apex(&self, h: u32) -> Option<Vector> {
+        let apex = self.surface.apex(self.surface.opposite[h as usize]);
+        self.order.is_known(apex).then(|| self.at(apex))
+    }
+
+    fn is_boundary(&self, v: u32) -> bool {
+        self.degrees.is_boundary[v as usize]
+    }
+
+    fn degree(&self, v: u32) -> f64 {
+        self.degrees.degree[v as usize]
+    }
+
+    /// Neighbours that are vertices of the mesh.
+    fn neighbours(&self, v: u32) -> u32 {
+        self.surface.valence[v as usize] - u32::from(self.is_boundary(v))
+    }
+
+    /// Cotangents of the angles at a and b of a triangle (a, b, c) whose angles are inverse to the degrees.
+    fn cotangents(&self, a: u32, b: u32, c: u32) -> [f64; 2] {
+        let index = |v: u32| (self.degree(v) as usize).clamp(3, VALENCE_CAP) - 3;
+        let range = VALENCE_CAP - 2;
+        self.degrees.cotangents[(index(a) * range + index(b)) * range + index(c)]
+    }
+
+    /// The angle that each unknown face has left at `v`.
+    fn free_angle(&self, sums: &Sums, v: u32) -> f64 {
+        use std::f64::consts::PI;
+        let (known, sum) = sums.angles(v);
+        let faces = f64::from(self.surface.valence[v as usize]) - if self.is_boundary(v) { 2.0 } else { 0.0 };
+        let full = match (self.is_boundary(v), faces >= 3.0) {
+            (false, _) => 2.0 * PI,
+            (true, _) => PI * faces / 3.0,
+        };
+        ((full - sum) / (faces - f64::from(known)).max(1.0)).clamp(0.2, 1.9)
+    }
+
+    /// The mean errors of the known neighbours, and, with half the weight, of the vertices across the gates.
+    fn mean_errors(&self, ring: &Ring) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for &a in &ring.known {
+            let e = self.errors[(a - self.first) as usize];
+            (0..2).for_each(|i| sum[i] += e[i]);
+        }
+        for g in &ring.gates {
+            let e = self.errors[(g.c - self.first) as usize];
+            (0..2).for_each(|i| sum[i] += 0.5 * e[i]);
+        }
+        sum.map(|s| s / (ring.known.len() + ring.gates.len()).max(1) as f64)
+    }
+}
+
+/// The coder of one range, with `F` features (`L` of them local), `N` contexts and `E` densities.
+pub(super) struct Coder<'a, const F: usize, const L: usize, const N: usize, const E: usize> {
+    scene: Scene<'a>,
+    sums: Sums,
+    quadrics: quadric::Fit,
+    ring: Ring,
+    /// By the number of gates: 1, 2, 3, 4 or more, all neighbours known.
+    weights: Vec<LeastSquares<F>>,
+    scales: Vec<Scale>,
+    coordinates: Coordinates<N, E>,
+    values: [Values; 3],
+    local: Local<L>,
+    /// By class: how much of the learned shift and of the local suggestion to add.
+    blends: Vec<LeastSquares<2>>,
+    /// The last residuals coded, of any axis; and the last of each axis.
+    last: [i64; 2],
+    last_of_axis: [i64; 3],
+}
+
+/// A vertex as it is expected to be.
+struct Forecast {
+    class: usize,
+    view: Option<View>,
+    expected: Option<Expected>,
+    /// What the learned weights add to the mean parallelogram, and what the neighbourhood suggests beyond that.
+    shift: Vector,
+    nearby: Vector,
+    /// The learned prediction, the mean parallelogram, the prediction by valences.
+    means: [Vector; 3],
+    normal: Vector,
+    /// Expected |residual| across the normal and along it.
+    scale: [f64; 2],
+}
+
+/// Codes the positions of a range for effort `default`; see [`plain::code`](super::plain::code).
+#[allow(clippy::too_many_arguments)]
+pub(super) fn code_lean<C: BitCoder>(
+    coder: &mut C,
+    surface: &Surface,
+    outgoing: &[u32],
+    degrees: &Degrees,
+    range: std::ops::Range<u32>,
+    extent: [i32; 3],
+    positions: &mut [[i32; 3]],
+    task: Task<'_>,
+) -> Result<()> {
+    code::<C, { features::LEAN }, 12, 12, 1>(coder, surface, outgoing, degrees, range, extent, positions, task)
+}
+
+/// The same for effort `best`.
+#[allow(clippy::too_many_arguments)]
+pub(super) fn code_full<C: BitCoder>(
+    coder: &mut C,
+    surface: &Surface,
+    outgoing: &[u32],
+    degrees: &Degrees,
+    range: std::ops::Range<u32>,
+    extent: [i32; 3],
+    positions: &mut [[i32; 3]],
+    task: Task<'_>,
+) -> Result<()> {
+    code::<C, { features::ALL }, 20, 18, 4>(coder, surface, outgoing, degrees, range, extent, positions, task)
+}
+
+#[allow(clippy::too_many_arguments)]
+fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: usize>(
+    coder: &mut C,
+    surface: &Surface,
+    outgoing: &[u32],
+    degrees: &Degrees,
+    range: std::ops::Range<u32>,
+    extent: [i32; 3],
+    positions: &mut [[i32; 3]],
+    task: Task<'_>,
+) -> Result<()> {
+    let first = range.start;
+    let real = || positions.iter().zip(&surface.is_hole[first as usize..]).filter(|(_, hole)| !**hole).map(|(p, _)| *p);
+    let mut values = [0, 1, 2].map(|axis| Values::code(coder, extent[axis], real().map(|p| p[axis])));
+    let damaged = |what: String| Error::malformed(Place::Whole, format!("positions: {what}"));
+    let [Some(x), Some(y), Some(z)] = values.each_mut().map(Option::take) else {
+        return Err(damaged("a palette that does not fit the box".into()));
+    };
+    let values = [x, y, z];
+    let mut this = Coder::<F, L, N, E>::new(surface, outgoing, degrees, range, extent, values);
+    let mut count = 0_usize;
+    while let Some(v) = this.scene.order.next() {
+        let i = (v - first) as usize;
+        let Some(position) = this.vertex(coder, v, positions[i]) else {
+            return Err(damaged(format!("a coordinate of vertex {v} is outside the box")));
+        };
+        positions[i] = position;
+        count += 1;
+        if count % (1 << 12) == 0 {
+            if coder.is_exhausted() {
+                break;
+            }
+            task.step(count as f64 / positions.len() as f64)?;
+        }
+    }
+    if coder.is_exhausted() {
+        return Err(damaged(format!("the stream ends after {count} vertices")));
+    }
+    Ok(())
+}
+
+impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'a, F, L, N, E> {
+    fn new(
+        surface: &'a Surface,
+        outgoing: &'a [u32],
+        degrees: &'a Degrees,
+        range: std::ops::Range<u32>,
+        extent: [i32; 3],
+        values: [Values; 3],
+    ) -> Self {
+        let len = range.len();
+        let mut experts = [0; E];
+        for (e, expert) in experts.iter_mut().enumerate() {
+            // The density itself leads; its narrower and wider twins help out.
+            *expert = if E == 1 { 23_000 } else { [20_000, 10_000, 10_000, 0][e.min(3)] };
+        }
+        Self {
+            sums: Sums::new(&range),
+            quadrics: quadric::Fit::new(&range),
+            ring: Ring::default(),
+            weights: vec![LeastSquares::new(0.9995, 0.01); 5],
+            scales: vec![Scale::new(); 5],
+            coordinates: Coordinates::new(len, experts),
+            values,
+            local: Local::new(len),
+            blends: vec![LeastSquares::new(0.999, 0.1); 5],
+            last: [0; 2],
+            last_of_axis: [0; 3],
+            scene: Scene {
+                surface,
+                outgoing,
+                degrees,
+                first: range.start,
+                positions: vec![Vector::ZERO; len],
+                residuals: vec![Vector::ZERO; len],
+                errors: vec![[0.0; 2]; len],
+                largest: f64::from(extent.into_iter().max().unwrap_or(0)) + 1.0,
+                order: Order::new(surface, outgoing, range),
+            },
+        }
+    }
+
+    /// Codes one vertex; `None` if what was read is no position.
+    fn vertex<C: BitCoder>(&mut self, coder: &mut C, v: u32, position: [i32; 3]) -> Option<[i32; 3]> {
+        self.ring.fill(self.scene.surface, self.scene.outgoing, &self.scene.order, v);
+        let forecast = self.forecast(v);
+        let position = self.coordinates(coder, &forecast, position, v)?;
+        self.learn(&forecast, v, Vector(position.map(f64::from)));
+        Some(position)
+    }
+
+    fn forecast(&mut self, v: u32) -> Forecast {
+        let scene = &self.scene;
+        let ring = &self.ring;
+        if ring.gates.is_empty() {
+            let largest = scene.largest;
+            let (base, length) = match (ring.edge, ring.known.first()) {
+                (Some([a, b]), _) => ((scene.at(a) + scene.at(b)) * 0.5, (scene.at(b) - scene.at(a)).length() + 1.0),
+                (None, Some(&a)) => (scene.at(a), largest / 16.0),
+                (None, None) => (Vector([largest / 2.0; 3]), largest / 4.0),
+            };
+            let scale = [0.6 * length; 2].map(|s| s.clamp(0.05, largest.max(0.05)));
+            return Forecast {
+                class: 0,
+                view: None,
+                expected: None,
+                shift: Vector::ZERO,
+                nearby: Vector::ZERO,
+                means: [base; 3],
+                normal: Vector([0.0, 0.0, 1.0]),
+                scale,
+            };
+        }
+        let view = features::view::<F>(scene, ring, &self.sums, &mut self.quadrics, v);
+        let all_known = ring.known.len() as u32 >= scene.neighbours(v);
+        let class = if all_known { 4 } else { ring.gates.len().min(5) - 1 };
+        let mut shift = Vector::ZERO;
+        for axis in 0..3 {
+            shift.0[axis] = self.weights[class].predict(&inputs(&view, axis, 1.0)) * view.length;
+        }
+        let size = shift.length();
+        // A prediction that runs off means nothing.
+        if !(size <= scene.largest) {
+            shift = Vector::ZERO;
+        }
+        let expected = self.scales[class].expect(scene, ring, &view, shift.length(), v);
+        let longest = 2.0 * expected.across + 1.0;
+        let nearby = self.local.suggest(scene, self.quadrics.points(), &view, class, longest);
+        let mut blended = shift;
+        for axis in 0..3 {
+            let x = [shift[axis] / view.length, nearby[axis] / view.length];
+            blended.0[axis] += self.blends[class].predict(&x) * view.length;
+        }
+        Forecast {
+            class,
+            means: [view.base + blended, view.base, view.by_valence],
+            shift,
+            nearby,
+            normal: view.normal,
+            scale: [expected.across, expected.along],
+            view: Some(view),
+            expected: Some(expected),
+        }
+    }
+
+    /// Codes the three coordinates, the one nearest to the normal last, each given those before it.
+    fn coordinates<C: BitCoder>(&mut self, coder: &mut C, forecast: &Forecast, position: [i32; 3], v: u32) -> Option<[i32; 3]> {
+        let n = forecast.normal;
+        let steepest = (0..3).fold(0, |best, axis| if n[axis].abs() > n[best].abs() { axis } else { best });
+        let mut axes = [0, 1, 2];
+        axes.swap(2, steepest);
+        let [across, along] = forecast.scale;
+        let (across, along) = (0.55 * across * across, 1.2 * along * along);
+        let covariance = |i: usize, j: usize| (if i == j { across + 0.05 } else { 0.0 }) + (along - across) * n[i] * n[j];
+        let mut coded = [0; 3];
+        let mut surprise = 0.0_f64;
+        for (rank, &axis) in axes.iter().enumerate() {
+            let mut variance = covariance(axis, axis);
+            let mut given = [0.0; 3];
+            let off = |mean: usize, axis: usize, coded: &[i32; 3]| f64::from(coded[axis]) - forecast.means[mean][axis];
+            match rank {
+                1 => {
+                    let p = axes[0];
+                    let g = covariance(axis, p) / covariance(p, p);
+                    variance -= g * covariance(axis, p);
+                    (0..3).for_each(|m| given[m] = g * off(m, p, &coded));
+                }
+                2 => {
+                    let (p, r) = (axes[0], axes[1]);
+                    let (a, b, d) = (covariance(p, p), covariance(p, r), covariance(r, r));
+                    let inverse = 1.0 / (a * d - b * b);
+                    let g = [
+                        (covariance(axis, p) * d - covariance(axis, r) * b) * inverse,
+                        (covariance(axis, r) * a - covariance(axis, p) * b) * inverse,
+                    ];
+                    variance -= g[0] * covariance(axis, p) + g[1] * covariance(axis, r);
+                    (0..3).for_each(|m| given[m] = g[0] * off(m, p, &coded) + g[1] * off(m, r, &coded));
+                }
+                _ => {}
+            }
+            let deviation = variance.max(0.02).sqrt();
+            let means = [0, 1, 2].map(|m| forecast.means[m][axis] + given[m]);
+            let values = &self.values[axis];
+            let centre = values.nearest(means[0]);
+            let width = (deviation * SCALE).max(0.04);
+            let all = [
+                Logistic { centre: means[0], width },
+                Logistic { centre: means[0], width: (width * 0.5).max(0.03) },
+                Logistic { centre: means[0], width: width * 2.2 },
+                Logistic { centre: means[1], width: width * 1.2 },
+            ];
+            let mut densities = [Logistic::default(); E];
+            densities.copy_from_slice(&all[..E]);
+            let contexts = self.contexts(forecast, v, axis, rank, centre, &means, deviation, surprise);
+            let index = if C::WRITES { values.index(position[axis]) } else { 0 };
+            let index = self.coordinates.code(coder, index, centre, values, &densities, contexts, rank);
+            coded[axis] = values.value(index)?;
+            let z = (f64::from(coded[axis]) - means[0]).abs() / deviation.max(0.3);
+            surprise = if rank == 0 { z } else { z.max(0.7 * surprise) };
+            self.last = [index - centre, self.last[0]];
+            self.last_of_axis[axis] = index - centre;
+        }
+        Some(coded)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn contexts(
+        &self,
+        forecast: &Forecast,
+        v: u32,
+        axis: usize,
+        rank: usize,
+        centre: i64,
+        means: &[f64; 3],
+        deviation: f64,
+        surprise: f64,
+    ) -> [u32; N] {
+        let scene = &self.scene;
+        let ring = &self.ring;
+        let values = &self.values[axis];
+        let octaves = |x: f64, per_octave: f64| {
+            (ln(x + 1e-6) * std::f64::consts::LOG2_E * per_octave + 32.0).floor().clamp(0.0, 63.0) as u32
+        };
+        let size = |r: f64| {
+            let size = match r.abs() {
+                x if x < 0.5 => 0,
+                x if x < 1.5 => 1,
+                x if x < 3.5 => 2,
+                x if x < 8.0 => 3,
+                _ => 4,
+            };
+            (if r < 0.0 { 4 - size } else { 4 + size }) as u32
+        };
+        let near = |x: f64| ((values.nearest(x) - centre).clamp(-7, 7) + 7) as u32;
+        let (q, a) = (rank as u32, axis as u32);
+        let (half, quarter) = (octaves(deviation, 2.0), octaves(deviation, 4.0));
+        let fraction = match (values.edge(centre), values.edge(centre + 1)) {
+            (low, high) if low.is_finite() && high.is_finite() => {
+                ((means[0] - low) / (high - low) * 8.0).floor().clamp(0.0, 7.0) as u32
+            }
+            _ => 4,
+        };
+        let surprised = match surprise {
+            z if z < 0.25 => 0,
+            z if z < 0.6 => 1,
+            z if z < 1.2 => 2,
+            z if z < 2.2 => 3,
+            _ => 4_u32,
+        };
+        let class = if forecast.view.is_some() { forecast.class as u32 + 1 } else { 0 };
+        // Where the neighbours' own coordinates and parallelograms lie, in lattice points from the centre.
+        let base = near(forecast.means[1][axis]);
+        let half_step = ((forecast.means[1][axis] - forecast.means[1][axis].floor()) * 2.0 + 0.01).floor() as u32;
+        let (ends, corners) = match (ring.gates.first(), ring.gates.last()) {
+            (Some(first), Some(last)) => (
+                [first.a, first.b, last.b].map(|v| near(scene.at(v)[axis])),
+                [first, last].map(|g| near(scene.parallelogram(g)[axis])),
+            ),
+            _ => ([15; 3], [15; 2]),
+        };
+        let [m0, m1, m2] = ends;
+        let [e1, e2] = corners;
+        let count = ring.known.len().max(1) as f64;
+        let nearby = ring.known.iter().map(|&w| scene.residual(w)[axis].abs()).sum::<f64>() / count;
+        let bias = ring.known.iter().map(|&w| scene.residual(w)[axis]).sum::<f64>() / count;
+        let spread = forecast.view.as_ref().map_or([0.0; 2], |view| view.spread);
+        let all = [
+            q | quarter << 2,
+            q << 3 | class | half << 8,
+            q | half << 4 | surprised << 12,
+            q | fraction << 4 | surprised << 8 | quarter << 12,
+            q << 3 | class | (ring.known.len() as u32).min(15) << 8 | (scene.degree(v) as u32).min(15) << 12 | surprised << 16,
+            a | base << 4 | half_step << 8,
+            a | e1 << 4 | e2 << 8,
+            a | m0 << 4 | m1 << 8 | m2 << 12,
+            a | base << 4 | m1 << 8,
+            a | base << 4 | half << 8,
+            a | m0 << 4 | m2 << 8 | half << 12,
+            a | size(self.last_of_axis[axis] as f64) << 4 | half << 8,
+            q | octaves(nearby + 0.2, 2.0) << 4 | half << 12,
+            q | octaves(spread[0] + 0.2, 2.0) << 4 | octaves(spread[1] + 0.2, 1.5) << 10,
+            q | fraction << 4 | half << 8,
+            q | size(self.last[0] as f64) << 4 | size(self.last[1] as f64) << 8 | half << 12,
+            q | size(bias) << 4 | half << 8,
+            q | near(means[1]) << 4 | near(means[2]) << 8 | fraction << 12,
+        ];
+        let mut contexts = [0; N];
+        for (i, context) in contexts.iter_mut().enumerate() {
+            *context = hash(all[i], i as u32);
+        }
+        contexts
+    }
+
+    /// Learns from a vertex that is known now.
+    fn learn(&mut self, forecast: &Forecast, v: u32, position: Vector) {
+        let i = (v - self.scene.first) as usize;
+        let residual = position - forecast.means[0];
+        let along = residual.dot(forecast.normal).abs();
+        let across = (residual.dot(residual) - along * along).max(0.0).sqrt();
+        self.scene.positions[i] = position;
+        self.scene.residuals[i] = residual;
+        self.scene.errors[i] = [1.0; 2];
+        if let (Some(view), Some(expected)) = (&forecast.view, &forecast.expected) {
+            self.scene.errors[i] = [along, across];
+            self.scales[forecast.class].learn(expected, across, along);
+            let plain = position - view.base - forecast.shift;
+            self.local.learn(i, view, forecast.class, plain);
+            // Certain vertices teach more, and no vertex teaches more than its expected error allows.
+            let weight = (1.0 / (0.02 + (expected.across + 0.5) / view.length)).min(20.0).sqrt();
+            let most = (6.0 * expected.across + 2.0) / view.length * weight;
+            let scale = weight / view.length;
+            for axis in 0..3 {
+                learn(
+                    &mut self.weights[forecast.class],
+                    &inputs(view, axis, weight),
+                    (position[axis] - view.base[axis]) * scale,
+                    most,
+                );
+                let x = [forecast.shift[axis] * scale, forecast.nearby[axis] * scale];
+                learn(&mut self.blends[forecast.class], &x, plain[axis] * scale, most);
+            }
+        }
+        self.scene.order.learn(v);
+        let scene = &self.scene;
+        self.sums.learn(scene.surface, scene.outgoing, &scene.order, |v| scene.at(v), v);
+    }
+}
+
+/// Learns that `x` gave `y`, but moves as if the error were at most `most`.
+fn learn<const M: usize>(model: &mut LeastSquares<M>, x: &[f64; M], y: f64, most: f64) {
+    let error = (y - model.predict(x)).clamp(-most, most);
+    if error.is_finite() {
+        model.learn(x, error);
+    }
+}
+
+/// The features of one axis, in units of the edge length, times a weight.
+fn inputs<const F: usize>(view: &View, axis: usize, weight: f64) -> [f64; F] {
+    let mut x = [0.0; F];
+    let scale = weight / view.length;
+    for (x, feature) in x.iter_mut().zip(&view.features) {
+        *x = feature[axis] * scale;
+    }
+    x
+}

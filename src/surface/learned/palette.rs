@@ -1,0 +1,167 @@
+//! The values that an axis takes: all integers of a range, or a list (a *palette*) where few occur.
+//!
+//! CAD models and terrains have far fewer distinct coordinates than their lattice has. With a palette,
+//! residuals count entries of the list, and densities are integrated between the middles of neighbours.
+
+use crate::entropy::{BitCoder, Numbers};
+
+/// The values of one axis, in rising order.
+#[derive(Debug, Clone)]
+pub(super) enum Values {
+    /// `0..=extent`
+    All {
+        /// The largest value.
+        extent: i64,
+    },
+    /// A list.
+    Palette(Vec<i32>),
+}
+
+/// The gain that a palette must promise, as a share of what counting suggests: part of it is had without one.
+const SHARE: f64 = 0.5;
+
+impl Values {
+    /// Chooses and codes the values of an axis. `occurring` are those of a writer, in any order.
+    pub(super) fn code<C: BitCoder>(coder: &mut C, extent: i32, occurring: impl Iterator<Item = i32>) -> Option<Self> {
+        let mut list = Vec::new();
+        let mut uses = false;
+        if C::WRITES {
+            list.extend(occurring);
+            let vertices = list.len() as f64;
+            list.sort_unstable();
+            list.dedup();
+            uses = is_worth(vertices, list.len() as f64, f64::from(extent) + 1.0);
+        }
+        let all = Self::All { extent: extent.into() };
+        if !coder.code(uses, 1 << 15) {
+            return Some(all);
+        }
+        // The gaps between entries, each in the context of the last.
+        let mut numbers = Numbers::new(CONTEXTS + 1);
+        let count = numbers.code(coder, list.len() as u32, CONTEXTS);
+        let mut found = Vec::new();
+        let (mut gap, mut value) = (0, 0_u32);
+        for i in 0..count {
+            let wanted = list.get(i as usize).map_or(0, |&v| (v as u32).wrapping_sub(value));
+            gap = numbers.code(coder, wanted, (gap as usize).min(CONTEXTS - 1));
+            value = value.checked_add(gap)?;
+            if value > extent as u32 || coder.is_exhausted() {
+                return None;
+            }
+            found.push(value as i32);
+        }
+        (!found.is_empty()).then_some(Self::Palette(found))
+    }
+
+    /// The lower edge of the value of this index: half-way to the one before; −∞ before the first.
+    #[inline]
+    pub(super) fn edge(&self, index: i64) -> f64 {
+        match self {
+            _ if index <= 0 => f64::NEG_INFINITY,
+            Self::All { extent } => {
+                if index > *extent {
+                    f64::INFINITY
+                } else {
+                    index as f64 - 0.5
+                }
+            }
+            Self::Palette(list) => match list.get(index as usize) {
+                Some(&value) => 0.5 * (f64::from(list[index as usize - 1]) + f64::from(value)),
+                None => f64::INFINITY,
+            },
+        }
+    }
+
+    /// The index of the value nearest to x.
+    #[inline]
+    pub(super) fn nearest(&self, x: f64) -> i64 {
+        match self {
+            // `as` takes anything that is no number to 0.
+            Self::All { extent } => ((x + 0.5).floor() as i64).clamp(0, *extent),
+            Self::Palette(list) => {
+                let above = list.partition_point(|&v| f64::from(v) < x);
+                match (above.checked_sub(1).map(|i| list[i]), list.get(above)) {
+                    (None, _) => 0,
+                    (Some(low), Some(&high)) if x - f64::from(low) >= f64::from(high) - x => above as i64,
+                    (Some(_), _) => above as i64 - 1,
+                }
+            }
+        }
+    }
+
+    /// The index of a value that occurs.
+    #[inline]
+    pub(super) fn index(&self, value: i32) -> i64 {
+        match self {
+            Self::All { .. } => value.into(),
+            Self::Palette(list) => list.partition_point(|&v| v < value) as i64,
+        }
+    }
+
+    /// The value of an index, if there is one.
+    #[inline]
+    pub(super) fn value(&self, index: i64) -> Option<i32> {
+        match self {
+            Self::All { extent } => (0..=*extent).contains(&index).then_some(index as i32),
+            Self::Palette(list) => usize::try_from(index).ok().and_then(|i| list.get(i)).copied(),
+        }
+    }
+
+    /// No residual has a class above this.
+    #[inline]
+    pub(super) fn last_class(&self) -> u32 {
+        let most = match self {
+            Self::All { extent } => *extent as u64,
+            Self::Palette(list) => list.len() as u64,
+        };
+        (most + 1).ilog2() + 1
+    }
+}
+
+/// Contexts of a gap: the gap before it, up to this.
+const CONTEXTS: usize = 21;
+
+/// Whether the bits that shorter indices save, over all vertices, pay for saying which values occur.
+fn is_worth(vertices: f64, distinct: f64, range: f64) -> bool {
+    let share = distinct / range;
+    if share >= 1.0 {
+        return false;
+    }
+    let list = range * -(share * share.log2() + (1.0 - share) * (1.0 - share).log2());
+    vertices * (range / distinct).log2() * SHARE > list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::entropy::{BitReader, BitWriter};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_values_come_back_and_each_is_nearest_to_itself(
+            mut occurring in proptest::collection::vec(0..10_000_i32, 1..50), copies in 1_usize..60,
+        ) {
+            let mut writer = BitWriter::default();
+            let all = occurring.iter().copied().cycle().take(occurring.len() * copies);
+            let written = Values::code(&mut writer, 9_999, all).unwrap();
+            let bytes = writer.finish();
+            let read = Values::code(&mut BitReader::new(&bytes), 9_999, std::iter::empty()).unwrap();
+            occurring.sort_unstable();
+            for &value in &occurring {
+                let index = read.index(value);
+                prop_assert_eq!(written.index(value), index);
+                prop_assert_eq!(read.value(index), Some(value));
+                prop_assert_eq!(read.nearest(f64::from(value)), index);
+                prop_assert!(read.edge(index) < f64::from(value) && f64::from(value) < read.edge(index + 1));
+            }
+        }
+    }
+
+    #[test]
+    fn a_palette_is_used_where_few_values_occur_often() {
+        assert!(is_worth(10_000.0, 50.0, 4096.0));
+        assert!(!is_worth(10_000.0, 4000.0, 4096.0));
+        assert!(!is_worth(100.0, 95.0, 16384.0));
+    }
+}
