@@ -72,6 +72,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("glam", &["geom", "mesh", "distance", "param", "simplify", "cgim", "gim", "resize", "eval"]),
     ("image", &["plane"]),
     ("rayon", &["par"]),
+    ("serde_json", &["mesh"]),
 ];
 
 /// Printing, the environment and the clock: who may use them.

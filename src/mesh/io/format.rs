@@ -17,11 +17,13 @@ pub enum Format {
     Off,
     /// Stereolithography triangles (text or binary).
     Stl,
+    /// The binary form of glTF 2.0.
+    Glb,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 4] = [Self::Obj, Self::Ply, Self::Off, Self::Stl];
+    pub const ALL: [Self; 5] = [Self::Obj, Self::Ply, Self::Off, Self::Stl, Self::Glb];
 
     /// The usual extension, which is also the name on the command line.
     pub fn name(self) -> &'static str {
@@ -30,6 +32,7 @@ impl Format {
             Self::Ply => "ply",
             Self::Off => "off",
             Self::Stl => "stl",
+            Self::Glb => "glb",
         }
     }
 
@@ -67,6 +70,7 @@ impl Format {
     pub(super) fn magic(bytes: &[u8]) -> Option<Self> {
         match bytes {
             [b'p', b'l', b'y', b'\r' | b'\n', ..] => Some(Self::Ply),
+            [b'g', b'l', b'T', b'F', ..] => Some(Self::Glb),
             _ => None,
         }
     }

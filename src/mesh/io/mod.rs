@@ -1,4 +1,4 @@
-//! Mesh files in and out: OBJ, PLY, OFF, STL.
+//! Mesh files in and out: OBJ, PLY, OFF, STL, GLB.
 //!
 //! Readers keep what a file says: the order of vertices, faces and corners, polygons as polygons,
 //! `f32` and `f64` values exactly, and every attribute and label that a [`Mesh`] can hold. What it
@@ -15,6 +15,7 @@
 //! the file's length: counts in headers are compared with the bytes that follow them first.
 
 mod format;
+mod glb;
 mod obj;
 mod off;
 mod ply;
@@ -55,7 +56,7 @@ impl Mesh {
     /// [`Error::Unsupported`] for variants of a format that are not read.
     pub fn read(bytes: &[u8], format: Option<Format>) -> Result<Loaded> {
         let Some(format) = format.or_else(|| Format::detect(bytes)) else {
-            let why = if bytes.is_empty() { "the file is empty" } else { "the content is not OBJ, PLY, OFF or STL" };
+            let why = if bytes.is_empty() { "the file is empty" } else { "the content is not OBJ, PLY, OFF, STL or GLB" };
             return Err(Error::malformed(Place::Whole, why));
         };
         let mut notes = Vec::new();
@@ -64,6 +65,7 @@ impl Mesh {
             Format::Ply => ply::read(bytes, &mut notes),
             Format::Off => off::read(bytes, &mut notes),
             Format::Stl => stl::read(bytes, &mut notes),
+            Format::Glb => glb::read(bytes, &mut notes),
         }?;
         if notes.len() > MOST_NOTES {
             let more = notes.len() - MOST_NOTES;
@@ -96,7 +98,7 @@ impl Mesh {
 
     /// Writes the mesh in a format; the sentences returned say what the format could not hold.
     ///
-    /// PLY and STL are written in binary (little-endian), the others are text.
+    /// PLY and STL are written in binary (little-endian), GLB is binary, the others are text.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Mesh`] or [`Error::Parameter`] where indices, attributes or labels do not fit the mesh.
@@ -109,6 +111,7 @@ impl Mesh {
             Format::Ply => ply::write(self, &mut sink, &mut notes),
             Format::Off => off::write(self, &mut sink, &mut notes),
             Format::Stl => stl::write(self, &mut sink, &mut notes),
+            Format::Glb => glb::write(self, &mut sink, &mut notes),
         }?;
         sink.finish()?;
         Ok(notes)
@@ -121,7 +124,7 @@ impl Mesh {
     pub fn save(&self, path: impl AsRef<Path>) -> Result<Vec<String>> {
         let path = path.as_ref();
         let Some(format) = Format::from_path(path) else {
-            let why = "the file's extension is none of obj, ply, off, stl".to_owned();
+            let why = "the file's extension is none of obj, ply, off, stl, glb".to_owned();
             return Err(Error::Parameter(why).in_file(path));
         };
         File::create(path).map_err(Error::from).and_then(|file| self.write(format, file)).map_err(|error| error.in_file(path))
