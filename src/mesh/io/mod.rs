@@ -11,11 +11,12 @@
 //!
 //! The readers are our own. The crates that were looked at (`tobj`, `serde-ply`, `stl_io`) turn
 //! numbers into `f32`, triangulate or reorder, or do not say where an error is; here a file is one
-//! slice of bytes and every error knows its line or byte. Memory stays within a small multiple of
+//! slice of bytes and every error knows its line or byte. Memory stays within some multiple of
 //! the file's length: counts in headers are compared with the bytes that follow them first.
 
 mod format;
 mod glb;
+mod number;
 mod obj;
 mod off;
 mod ply;
@@ -50,6 +51,14 @@ pub struct Loaded {
 
 impl Mesh {
     /// Reads a mesh file from memory; without a format, the content tells which it is.
+    ///
+    /// ```
+    /// let file = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n";
+    /// let loaded = gimc::Mesh::read(file, None)?;
+    /// assert_eq!(loaded.mesh.faces.get(0), [0, 1, 2]);
+    /// assert_eq!(loaded.notes, ["statement \"l\" is not kept (1 line, the first is line 4)"]);
+    /// # Ok::<(), gimc::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Malformed`] with a line (text) or byte (binary) and what was found and expected there;

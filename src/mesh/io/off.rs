@@ -7,8 +7,9 @@
 //! writes them. Colours that are all integers up to 255 are `u8`, others are floats.
 //! `4OFF`, `nOFF` and binary files are not read.
 
+use super::number::{Digits, Number};
 use super::sink::Print;
-use super::text::{Digits, Number, Syntax, Text, show};
+use super::text::{Syntax, Text, show};
 use super::{Sink, count, find, note_losses, note_rounding, push_face};
 use crate::error::{Error, Place, Result};
 use crate::mesh::{Attribute, AttributeKind, Domain, Mesh, Scalar};

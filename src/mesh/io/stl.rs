@@ -13,7 +13,8 @@ use std::collections::hash_map::Entry;
 
 use byteorder::{ByteOrder, LE};
 
-use super::text::{Digits, Number, Syntax, Text, name, show};
+use super::number::{Digits, Number};
+use super::text::{Syntax, Text, name, show};
 use super::{Sink, count, note_losses, note_rounding, push_face};
 use crate::error::{Error, Place, Result};
 use crate::mesh::{Attribute, AttributeKind, Domain, Label, LabelKind, Mesh, Scalar};

@@ -283,7 +283,7 @@ impl Reader<'_> {
         for list in ["animations", "skins", "cameras", "images", "textures"] {
             let items = self.scene.get(list).and_then(Value::as_array).map_or(0, Vec::len);
             if items > 0 {
-                notes.push(format!("{items} {list} of the scene are not kept"));
+                notes.push(format!("{list} of the scene are not kept ({items})"));
             }
         }
         let mut materials = self.scene.get("materials").and_then(Value::as_array).into_iter().flatten();

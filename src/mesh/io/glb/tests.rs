@@ -61,7 +61,7 @@ fn a_square_is_read_with_its_names_and_what_is_left_out_is_said() {
     assert_eq!(labels, [(LabelKind::Object, "floor", 0), (LabelKind::Material, "wood", 0)]);
     assert_eq!(
         loaded.notes,
-        ["\"TANGENT\" is not kept (1 time)", "1 images of the scene are not kept", "of materials only the names are kept",]
+        ["\"TANGENT\" is not kept (1 time)", "images of the scene are not kept (1)", "of materials only the names are kept",]
     );
 }
 

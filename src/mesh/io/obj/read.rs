@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use super::table::{Forward, Table};
 use crate::error::{Error, Place, Result};
-use crate::mesh::io::text::{self, Digits, Number, Syntax, Text, show};
+use crate::mesh::io::number::{Digits, Number};
+use crate::mesh::io::text::{self, Syntax, Text, show};
 use crate::mesh::io::{count, push_face};
 use crate::mesh::{AttributeKind, Domain, Label, LabelKind, Mesh};
 

@@ -1,7 +1,7 @@
 //! Values that statements give one after the other, and who refers to them.
 
 use crate::error::{Error, Place, Result};
-use crate::mesh::io::text::{Digits, Number};
+use crate::mesh::io::number::{Digits, Number};
 use crate::mesh::{Attribute, AttributeKind, Domain};
 
 /// A growing list of values of one kind.

@@ -6,8 +6,8 @@ use super::cells::{Binary, Cells, Lines};
 use super::header::{Element, Encoding, Header};
 use super::meaning::{self, vertex_list};
 use crate::error::{Error, Place, Result};
-use crate::mesh::io::push_face;
 use crate::mesh::io::text::Text;
+use crate::mesh::io::{count, push_face};
 use crate::mesh::{Faces, Mesh};
 
 /// Reads a whole file.
@@ -59,7 +59,7 @@ fn read_tables<C: Cells>(header: &Header, cells: &mut C, notes: &mut Vec<String>
             other => {
                 let columns = element.properties.iter().map(|_| Column::Skipped).collect();
                 read_table(element, columns, cells, vertices)?;
-                notes.push(format!("element `{other}` is not kept ({} records)", element.records));
+                notes.push(format!("element `{other}` is not kept ({})", count(element.records as usize, "record")));
             }
         }
     }

@@ -55,7 +55,7 @@ fn unknown_elements_and_lists_are_skipped_and_named() {
         loaded.notes,
         [
             "list `neighbours` of the vertices is not kept",
-            "element `camera` is not kept (1 records)",
+            "element `camera` is not kept (1 record)",
             "element `nothing` is not kept (99999999999 records)",
         ]
     );
