@@ -10,7 +10,7 @@
 //!       SURFACE WING               │            BYTE WING
 //!       (never sees a byte)        │            (never sees a triangle)
 //!  3  surface ── names both ───────┼─────────── mesh and entropy
-//!  2  mesh  distance               │   format   entropy
+//!  2  mesh  distance               │   format   codec   entropy
 //!     ─────────────────────────────┴──────────────────────────────────────────────
 //!  1  plane                             the hall: lattice, planes
 //!  0  geom                         │   bits
@@ -18,6 +18,8 @@
 //! ```
 
 mod bits;
+#[allow(dead_code, unused_imports)] // until both doors use all of it
+mod codec;
 mod decode;
 #[cfg(feature = "encode")]
 mod encode;
