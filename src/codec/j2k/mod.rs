@@ -15,6 +15,8 @@
 #[cfg(feature = "encode")]
 mod bitplane;
 mod codestream;
+#[cfg(feature = "encode")]
+mod component;
 mod decode;
 #[cfg(feature = "encode")]
 mod dwt;
@@ -33,14 +35,18 @@ mod quantise;
 mod rate;
 #[cfg(feature = "encode")]
 mod tag_tree;
+#[cfg(feature = "encode")]
+mod target;
 #[cfg(all(test, feature = "encode"))]
 mod tests;
 
 pub(crate) use codestream::{Profile, Transform};
 pub(crate) use decode::{decode, profile};
 #[cfg(feature = "encode")]
-pub(crate) use encode::{Encoded, Quality, Settings, encode, psnr};
+pub(crate) use encode::{Encoded, Quality, Settings, encode};
 pub(crate) use jp2::wrap;
+#[cfg(feature = "encode")]
+pub(crate) use target::psnr;
 
 /// The deepest samples: what the decoder's `f32` holds exactly after the transform.
 pub(crate) const MAX_DEPTH: u8 = 16;

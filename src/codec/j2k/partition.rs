@@ -111,6 +111,11 @@ impl Partition {
         partition
     }
 
+    /// How many decompositions there are.
+    pub(super) fn levels(&self) -> u8 {
+        self.resolutions.len() as u8 - 1
+    }
+
     /// The code-blocks of a band inside the square of `side` at (`left`, `top`) of the band.
     fn grid(&mut self, band: usize, left: usize, top: usize, side: usize, block: usize) -> BlockGrid {
         let Band { x, y, width, height, .. } = self.bands[band];

@@ -39,8 +39,8 @@ pub(super) struct Weight {
     pub(super) error: f64,
     /// What it counts for the choice of passes: the same, times what the caller thinks of it.
     pub(super) importance: f64,
-    /// Bit-planes from here up are those of a region of interest; none if 0.
-    pub(super) shift: u32,
+    /// Bit-planes from here up are those of a region of interest.
+    pub(super) region: Option<u32>,
 }
 
 impl Hulls {
@@ -99,7 +99,7 @@ fn hull(block: &CodedBlock, weight: Weight) -> Vec<Stop> {
     let mut stops: Vec<Stop> = Vec::new();
     let mut length = 0;
     for (i, pass) in block.passes.iter().enumerate() {
-        let first = weight.shift > 0 && pass.plane >= weight.shift;
+        let first = weight.region.is_some_and(|lowest| pass.plane >= lowest);
         let importance = weight.importance * if first { REGION_FIRST } else { 1.0 };
         let mut worth = pass.gain * importance;
         let mut stop = Stop { slope: 0.0, passes: i as u32 + 1, bytes: pass.length - length, gain: pass.gain * weight.error };
@@ -160,7 +160,7 @@ mod tests {
         CodedBlock { planes: 1, passes, bytes: vec![0; length], energy: 1000.0 }
     }
 
-    const PLAIN: Weight = Weight { error: 1.0, importance: 1.0, shift: 0 };
+    const PLAIN: Weight = Weight { error: 1.0, importance: 1.0, region: None };
 
     proptest! {
         #[test]
@@ -194,7 +194,7 @@ mod tests {
         let mut inside = block(&[(100, 0.001), (1, 500.0)]);
         inside.passes[0].plane = 9;
         let blocks = [block(&[(1, 900.0)]), inside];
-        let hulls = Hulls::new(&blocks, |_| Weight { shift: 5, ..PLAIN });
+        let hulls = Hulls::new(&blocks, |_| Weight { region: Some(5), ..PLAIN });
         assert_eq!(hulls.passes(1), [0, 1]);
         assert_eq!(hulls.passes(3), [1, 2]);
     }

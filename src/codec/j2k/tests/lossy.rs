@@ -120,7 +120,7 @@ fn what_the_optimisation_takes_for_the_error_is_the_error() {
     // The 5/3 kernel is further from orthogonal: errors of different sub-bands are not independent.
     for (transform, tolerance) in [(Transform::Reversible53, 0.5), (Transform::Irreversible97, 0.2)] {
         for psnr_wanted in [48.0, 58.0] {
-            let (stream, measured) = super::super::encode::predicted(&planes, transform, psnr_wanted);
+            let (stream, measured) = super::super::target::predicted(&planes, transform, psnr_wanted);
             let found = psnr(&planes, &decoded(&stream));
             assert!((found - measured).abs() < tolerance, "{measured} dB measured, {found} dB found ({transform:?})");
         }

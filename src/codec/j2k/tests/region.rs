@@ -124,3 +124,19 @@ fn a_region_that_decoders_cannot_hold_is_refused() {
     let why = encode(&noise(shape, &[12], 4), &settings, &Task::default()).unwrap_err().to_string();
     assert_eq!(why, "a region of interest of 40 x 50 pixels for an image of 50 x 40");
 }
+
+#[test]
+fn a_region_is_exact_even_if_a_component_has_nothing_outside_it() {
+    let shape = Shape::new(160, 150).unwrap();
+    let mask = Mask::from_fn(shape, |r, c| (40..90).contains(&r) && (50..110).contains(&c));
+    let busy = noise(shape, &[10, 10], 4);
+    // One component is flat, in the middle of its range, but for the inside of the region.
+    let mut samples = vec![512; shape.pixels()];
+    for row in 60..70 {
+        samples[row * 160 + 70..][..20].copy_from_slice(&busy[1].row(row)[70..90]);
+    }
+    let planes = Planes::new(vec![busy[0].clone(), Plane::new(shape, 10, samples).unwrap()]).unwrap();
+    let settings = Settings { region: Some(&mask), quality: Quality::Bytes(20_000), ..Settings::default() };
+    let found = decoded(&encoded(&planes, &settings));
+    assert!(found != planes && !differs_inside(&found, &planes, &mask));
+}

@@ -29,8 +29,7 @@ fn read_pnm(path: &Path) -> Planes {
     let [width, height, most] = [1, 2, 3].map(|i| words[i].parse::<u32>().unwrap());
     let shape = Shape::new(width, height).unwrap();
     let size = if most > 255 { 2 } else { 1 };
-    let samples: Vec<i32> =
-        bytes[at..].chunks_exact(size).map(|s| s.iter().fold(0, |n, &b| n << 8 | i32::from(b))).collect();
+    let samples: Vec<i32> = bytes[at..].chunks_exact(size).map(|s| s.iter().fold(0, |n, &b| n << 8 | i32::from(b))).collect();
     let depth = (u32::BITS - most.leading_zeros()) as u8;
     let plane = |i| Plane::new(shape, depth, samples.iter().skip(i).step_by(components).copied().collect()).unwrap();
     Planes::new((0..components).map(plane).collect()).unwrap()
@@ -100,7 +99,10 @@ fn images() -> Vec<(String, Planes)> {
 fn side_by_side_with_opj_compress() {
     let folder = std::env::temp_dir().join(format!("gimc-side-by-side-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    println!("{:22} {:>11} {:>9} {:>9} {:>7} {:>7} {:>7} {:>15}", "image", "", "opj", "ours", "", "opj", "ours", "seconds: opj 1 2");
+    println!(
+        "{:22} {:>11} {:>9} {:>9} {:>7} {:>7} {:>7} {:>15}",
+        "image", "", "opj", "ours", "", "opj", "ours", "seconds: opj 1 2"
+    );
     let mut failed = Vec::new();
     for (name, planes) in images() {
         let resolutions = (partition::most_levels(planes.shape()).min(5) + 1).to_string();
