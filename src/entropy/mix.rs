@@ -31,14 +31,28 @@ const BIAS: i32 = 256;
 pub(crate) struct MixerOptions {
     /// log₂ of the lines a context.
     pub(crate) lines_log2: u32,
-    /// Sets of weights.
-    pub(crate) sets: usize,
-    /// The weight that each context's input starts with, in 65536ths.
-    pub(crate) start: i32,
     /// η is 2 to the power of minus this (with the scales of inputs and errors taken out).
     pub(crate) rate_shift: u32,
     /// Answers that an adaptive bit counts before it forgets.
     pub(crate) count_limit: u32,
+}
+
+/// The weights that a set starts with, in hundredths.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Start<const N: usize, const E: usize> {
+    /// Of the contexts.
+    pub(crate) contexts: [i32; N],
+    /// Of the experts.
+    pub(crate) experts: [i32; E],
+    /// Of the constant input.
+    pub(crate) bias: i32,
+}
+
+impl<const N: usize> Start<N, 0> {
+    /// The same weight for every context.
+    pub(crate) fn even(hundredths: i32) -> Self {
+        Self { contexts: [hundredths; N], experts: [], bias: 0 }
+    }
 }
 
 /// Mixes `N` contexts and `E` experts.
@@ -75,12 +89,20 @@ const fn haste() -> [i32; 256] {
 }
 
 impl<const N: usize, const E: usize> Mixer<N, E> {
-    pub(crate) fn new(options: MixerOptions, experts: [i32; E]) -> Self {
-        let fresh = Weights { contexts: [options.start; N], experts, bias: 0, uses: 0 };
+    /// One set of weights for every `start`.
+    pub(crate) fn new(options: MixerOptions, starts: &[Start<N, E>]) -> Self {
+        let fixed = |hundredths: i32| hundredths * ONE / 100;
+        let weights = starts.iter().flat_map(|start| {
+            let contexts = start.contexts.map(fixed);
+            std::iter::repeat_n(
+                Weights { contexts, experts: start.experts.map(fixed), bias: fixed(start.bias), uses: 0 },
+                NODES,
+            )
+        });
         Self {
             options,
             lines: vec![[AdaptiveBit::default(); NODES]; N << options.lines_log2],
-            weights: vec![fresh; options.sets * NODES],
+            weights: weights.collect(),
             chosen: [0; N],
             set: 0,
         }

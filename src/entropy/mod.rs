@@ -9,6 +9,6 @@ mod mix;
 mod model;
 mod range;
 
-pub(crate) use mix::{Mixer, MixerOptions, hash};
+pub(crate) use mix::{Mixer, MixerOptions, Start, hash};
 pub(crate) use model::{AdaptiveBit, Numbers};
 pub(crate) use range::{BitCoder, BitReader, BitWriter};

@@ -4,7 +4,7 @@
 //! 2ʲ − 1 ≤ m ≤ 2ʲ⁺¹ − 2 in unary, and the j bits of m below the class, highest first. Zero, sign and
 //! class are mixed from all contexts; the two highest bits have a model by class; the rest are plain.
 
-use crate::entropy::{AdaptiveBit, BitCoder, Mixer, MixerOptions};
+use crate::entropy::{AdaptiveBit, BitCoder, Mixer, MixerOptions, Start};
 
 /// Classes that have decisions of their own; later ones share the last.
 const CLASSES: usize = 14;
@@ -21,14 +21,8 @@ pub(super) struct Residuals<const N: usize> {
 
 impl<const N: usize> Residuals<N> {
     pub(super) fn new(vertices: usize) -> Self {
-        let options = MixerOptions {
-            lines_log2: (vertices.max(1).ilog2()).clamp(6, 12),
-            sets: 3,
-            start: 65536 * 3 / 10,
-            rate_shift: 6,
-            count_limit: 127,
-        };
-        Self { mixer: Mixer::new(options, []), high: vec![[AdaptiveBit::default(); 3]; 3 * CLASSES] }
+        let options = MixerOptions { lines_log2: (vertices.max(1).ilog2()).clamp(6, 12), rate_shift: 6, count_limit: 127 };
+        Self { mixer: Mixer::new(options, &[Start::even(30); 3]), high: vec![[AdaptiveBit::default(); 3]; 3 * CLASSES] }
     }
 
     /// Codes a residual of one axis.

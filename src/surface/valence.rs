@@ -2,7 +2,7 @@
 
 use super::Effort;
 use super::topology::Surface;
-use crate::entropy::{BitCoder, Mixer, MixerOptions, hash};
+use crate::entropy::{BitCoder, Mixer, MixerOptions, Start, hash};
 
 /// What is known around a vertex when it is met beyond a gate.
 #[derive(Debug, Default, Clone, Copy)]
@@ -65,12 +65,10 @@ impl<const N: usize> Model<N> {
     fn new(vertices: u64) -> Self {
         let options = MixerOptions {
             lines_log2: (vertices.max(1).ilog2()).clamp(6, 12),
-            sets: 16,
-            start: (65536.0 * 1.2 / N as f64) as i32,
             rate_shift: if N <= 4 { 5 } else { 6 },
             count_limit: 400,
         };
-        Self { mixer: Mixer::new(options, []), history: 0 }
+        Self { mixer: Mixer::new(options, &[Start::even(120 / N as i32); 16]), history: 0 }
     }
 
     /// Decisions: is it 6? less? then 5, 4, 3 (else 2); or 7, 8, 9, …

@@ -6,7 +6,7 @@
 
 use super::density::{Logistic, log_odds};
 use super::palette::Values;
-use crate::entropy::{BitCoder, Mixer, MixerOptions, hash};
+use crate::entropy::{BitCoder, Mixer, MixerOptions, Start, hash};
 
 /// Nodes of a context's line, once the sign is known.
 const CLASSES: usize = 8;
@@ -22,19 +22,14 @@ pub(super) struct Coordinates<const N: usize, const E: usize> {
 }
 
 impl<const N: usize, const E: usize> Coordinates<N, E> {
-    /// Sets of weights: by axis rank, before and after the sign is known.
-    const SETS: usize = 6;
-
-    pub(super) fn new(vertices: usize, experts: [i32; E]) -> Self {
-        let options = MixerOptions {
-            lines_log2: vertices.max(1).ilog2().clamp(6, 14),
-            sets: Self::SETS,
-            start: 5_000,
-            rate_shift: 6,
-            count_limit: 127,
-        };
+    /// Starts with weights for the decisions before and after the sign is known.
+    pub(super) fn new(vertices: usize, [before, after]: [Start<N, E>; 2]) -> Self {
+        let options = MixerOptions { lines_log2: vertices.max(1).ilog2().clamp(6, 14), rate_shift: 6, count_limit: 127 };
         let low = MixerOptions { lines_log2: 8, ..options };
-        Self { mixer: Mixer::new(options, experts), low: Mixer::new(low, experts) }
+        // One set for every axis rank.
+        let sets = [before, before, before, after, after, after];
+        let low_start = Start { contexts: [after.contexts[0]], experts: after.experts, bias: after.bias };
+        Self { mixer: Mixer::new(options, &sets), low: Mixer::new(low, &[low_start; 3]) }
     }
 
     /// Codes `value` (an index into `values`), expected at the index `centre`.

@@ -20,13 +20,13 @@ const UPDATES_A_REPAIR: u32 = 32;
 const LARGEST_TRACE: f64 = 1e6;
 
 impl<const N: usize> LeastSquares<N> {
-    /// All weights 0, with `variance` each.
-    pub(super) fn new(forgetting: f64, variance: f64) -> Self {
+    /// Starts from the given weights, which may be off by `variance` each.
+    pub(super) fn new(weights: [f64; N], forgetting: f64, variance: f64) -> Self {
         let mut inverse = Box::new([[0.0; N]; N]);
         for (i, row) in inverse.iter_mut().enumerate() {
             row[i] = variance;
         }
-        Self { weights: [0.0; N], inverse, forgetting, updates: 0 }
+        Self { weights, inverse, forgetting, updates: 0 }
     }
 
     /// w · x
@@ -84,7 +84,7 @@ impl<const N: usize> LeastSquares<N> {
         if is_finite && self.weights.iter().all(|w| w.is_finite()) {
             self.inverse.iter_mut().flatten().for_each(|p| *p *= 0.5);
         } else {
-            *self = Self::new(self.forgetting, 1.0);
+            *self = Self::new([0.0; N], self.forgetting, 1.0);
         }
     }
 }
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn it_finds_the_weights_of_a_linear_law() {
         let law = [0.5, -1.25, 3.0];
-        let mut model = LeastSquares::<3>::new(0.999, 100.0);
+        let mut model = LeastSquares::<3>::new([0.0; 3], 0.999, 100.0);
         let mut state = 1_u32;
         for _ in 0..300 {
             let x = [(); 3].map(|()| {
@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn features_that_stay_zero_or_numbers_that_run_off_do_not_break_it() {
-        let mut model = LeastSquares::<2>::new(0.9, 1.0);
+        let mut model = LeastSquares::<2>::new([0.0; 2], 0.9, 1.0);
         for _ in 0..10_000 {
             model.learn(&[0.0, 1.0], 0.5);
         }

@@ -8,6 +8,7 @@
 //! Everything a reader must repeat is + − × ÷ √ on `f64` in a fixed order. spec/surface.md,
 //! "Positions, learned".
 
+mod contexts;
 mod coordinate;
 mod density;
 mod features;
@@ -18,21 +19,24 @@ mod palette;
 mod quadric;
 mod ring;
 mod scale;
+mod trained;
 mod vector;
 
+use self::contexts::{Landmarks, Moment};
 use self::coordinate::Coordinates;
-use self::density::{Logistic, SCALE};
+use self::density::Logistic;
 use self::features::View;
 use self::least_squares::LeastSquares;
 use self::local::Local;
-use self::math::{cot, ln};
+use self::math::cot;
 use self::palette::Values;
 use self::ring::{Gate, Ring, Sums};
 use self::scale::{Expected, Scale};
+use self::trained::Start;
 use self::vector::Vector;
 use super::order::Order;
 use super::topology::Surface;
-use crate::entropy::{BitCoder, hash};
+use crate::entropy::BitCoder;
 use crate::error::{Error, Place, Result};
 use crate::mesh::half_edge::{next, prev};
 use crate::task::Task;
@@ -215,7 +219,7 @@ pub(super) fn code_lean<C: BitCoder>(
     positions: &mut [[i32; 3]],
     task: Task<'_>,
 ) -> Result<()> {
-    code::<C, { features::LEAN }, 12, 12, 1>(coder, surface, outgoing, degrees, range, extent, positions, task)
+    code::<C, _, 12, _, _>(coder, surface, outgoing, degrees, range, extent, positions, &trained::LEAN, task)
 }
 
 /// The same for effort `best`.
@@ -230,7 +234,7 @@ pub(super) fn code_full<C: BitCoder>(
     positions: &mut [[i32; 3]],
     task: Task<'_>,
 ) -> Result<()> {
-    code::<C, { features::ALL }, 20, 18, 4>(coder, surface, outgoing, degrees, range, extent, positions, task)
+    code::<C, _, 20, _, _>(coder, surface, outgoing, degrees, range, extent, positions, &trained::ALL, task)
 }
 
 #[allow(clippy::too_many_arguments)]
@@ -242,6 +246,7 @@ fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: us
     range: std::ops::Range<u32>,
     extent: [i32; 3],
     positions: &mut [[i32; 3]],
+    start: &Start<F, N, E>,
     task: Task<'_>,
 ) -> Result<()> {
     let first = range.start;
@@ -252,7 +257,7 @@ fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: us
         return Err(damaged("a palette that does not fit the box".into()));
     };
     let values = [x, y, z];
-    let mut this = Coder::<F, L, N, E>::new(surface, outgoing, degrees, range, extent, values);
+    let mut this = Coder::<F, L, N, E>::new(surface, outgoing, degrees, range, extent, values, start);
     let mut count = 0_usize;
     while let Some(v) = this.scene.order.next() {
         let i = (v - first) as usize;
@@ -282,23 +287,19 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
         range: std::ops::Range<u32>,
         extent: [i32; 3],
         values: [Values; 3],
+        start: &Start<F, N, E>,
     ) -> Self {
         let len = range.len();
-        let mut experts = [0; E];
-        for (e, expert) in experts.iter_mut().enumerate() {
-            // The density itself leads; its narrower and wider twins help out.
-            *expert = if E == 1 { 23_000 } else { [20_000, 10_000, 10_000, 0][e.min(3)] };
-        }
         Self {
             sums: Sums::new(&range),
             quadrics: quadric::Fit::new(&range),
             ring: Ring::default(),
-            weights: vec![LeastSquares::new(0.9995, 0.01); 5],
-            scales: vec![Scale::new(); 5],
-            coordinates: Coordinates::new(len, experts),
+            weights: start.predictions.iter().map(|w| LeastSquares::new(*w, 0.9995, 0.03)).collect(),
+            scales: start.scales.iter().map(|w| Scale::new(*w)).collect(),
+            coordinates: Coordinates::new(len, start.mixing),
             values,
             local: Local::new(len),
-            blends: vec![LeastSquares::new(0.999, 0.1); 5],
+            blends: start.blends.iter().map(|w| LeastSquares::new(*w, 0.999, 0.1)).collect(),
             last: [0; 2],
             last_of_axis: [0; 3],
             scene: Scene {
@@ -319,7 +320,7 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
     fn vertex<C: BitCoder>(&mut self, coder: &mut C, v: u32, position: [i32; 3]) -> Option<[i32; 3]> {
         self.ring.fill(self.scene.surface, self.scene.outgoing, &self.scene.order, v);
         let forecast = self.forecast(v);
-        let position = self.coordinates(coder, &forecast, position, v)?;
+        let position = self.coordinates(coder, &forecast, position)?;
         self.learn(&forecast, v, Vector(position.map(f64::from)));
         Some(position)
     }
@@ -379,7 +380,7 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
     }
 
     /// Codes the three coordinates, the one nearest to the normal last, each given those before it.
-    fn coordinates<C: BitCoder>(&mut self, coder: &mut C, forecast: &Forecast, position: [i32; 3], v: u32) -> Option<[i32; 3]> {
+    fn coordinates<C: BitCoder>(&mut self, coder: &mut C, forecast: &Forecast, position: [i32; 3]) -> Option<[i32; 3]> {
         let n = forecast.normal;
         let steepest = (0..3).fold(0, |best, axis| if n[axis].abs() > n[best].abs() { axis } else { best });
         let mut axes = [0, 1, 2];
@@ -387,6 +388,7 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
         let [across, along] = forecast.scale;
         let (across, along) = (0.55 * across * across, 1.2 * along * along);
         let covariance = |i: usize, j: usize| (if i == j { across + 0.05 } else { 0.0 }) + (along - across) * n[i] * n[j];
+        let landmarks = Landmarks::new(&self.scene, &self.ring);
         let mut coded = [0; 3];
         let mut surprise = 0.0_f64;
         for (rank, &axis) in axes.iter().enumerate() {
@@ -417,7 +419,20 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
             let means = [0, 1, 2].map(|m| forecast.means[m][axis] + given[m]);
             let values = &self.values[axis];
             let centre = values.nearest(means[0]);
-            let width = (deviation * SCALE).max(0.04);
+            let moment = Moment {
+                forecast,
+                landmarks: &landmarks,
+                values,
+                axis,
+                rank,
+                centre,
+                means,
+                deviation,
+                surprise,
+                last: self.last,
+                last_of_axis: self.last_of_axis[axis],
+            };
+            let width = moment.width();
             let all = [
                 Logistic { centre: means[0], width },
                 Logistic { centre: means[0], width: (width * 0.5).max(0.03) },
@@ -426,9 +441,8 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
             ];
             let mut densities = [Logistic::default(); E];
             densities.copy_from_slice(&all[..E]);
-            let contexts = self.contexts(forecast, v, axis, rank, centre, &means, deviation, surprise);
             let index = if C::WRITES { values.index(position[axis]) } else { 0 };
-            let index = self.coordinates.code(coder, index, centre, values, &densities, contexts, rank);
+            let index = self.coordinates.code(coder, index, centre, values, &densities, moment.contexts(), rank);
             coded[axis] = values.value(index)?;
             let z = (f64::from(coded[axis]) - means[0]).abs() / deviation.max(0.3);
             surprise = if rank == 0 { z } else { z.max(0.7 * surprise) };
@@ -436,94 +450,6 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
             self.last_of_axis[axis] = index - centre;
         }
         Some(coded)
-    }
-
-    #[allow(clippy::too_many_arguments)]
-    fn contexts(
-        &self,
-        forecast: &Forecast,
-        v: u32,
-        axis: usize,
-        rank: usize,
-        centre: i64,
-        means: &[f64; 3],
-        deviation: f64,
-        surprise: f64,
-    ) -> [u32; N] {
-        let scene = &self.scene;
-        let ring = &self.ring;
-        let values = &self.values[axis];
-        let octaves = |x: f64, per_octave: f64| {
-            (ln(x + 1e-6) * std::f64::consts::LOG2_E * per_octave + 32.0).floor().clamp(0.0, 63.0) as u32
-        };
-        let size = |r: f64| {
-            let size = match r.abs() {
-                x if x < 0.5 => 0,
-                x if x < 1.5 => 1,
-                x if x < 3.5 => 2,
-                x if x < 8.0 => 3,
-                _ => 4,
-            };
-            (if r < 0.0 { 4 - size } else { 4 + size }) as u32
-        };
-        let near = |x: f64| ((values.nearest(x) - centre).clamp(-7, 7) + 7) as u32;
-        let (q, a) = (rank as u32, axis as u32);
-        let (half, quarter) = (octaves(deviation, 2.0), octaves(deviation, 4.0));
-        let fraction = match (values.edge(centre), values.edge(centre + 1)) {
-            (low, high) if low.is_finite() && high.is_finite() => {
-                ((means[0] - low) / (high - low) * 8.0).floor().clamp(0.0, 7.0) as u32
-            }
-            _ => 4,
-        };
-        let surprised = match surprise {
-            z if z < 0.25 => 0,
-            z if z < 0.6 => 1,
-            z if z < 1.2 => 2,
-            z if z < 2.2 => 3,
-            _ => 4_u32,
-        };
-        let class = if forecast.view.is_some() { forecast.class as u32 + 1 } else { 0 };
-        // Where the neighbours' own coordinates and parallelograms lie, in lattice points from the centre.
-        let base = near(forecast.means[1][axis]);
-        let half_step = ((forecast.means[1][axis] - forecast.means[1][axis].floor()) * 2.0 + 0.01).floor() as u32;
-        let (ends, corners) = match (ring.gates.first(), ring.gates.last()) {
-            (Some(first), Some(last)) => (
-                [first.a, first.b, last.b].map(|v| near(scene.at(v)[axis])),
-                [first, last].map(|g| near(scene.parallelogram(g)[axis])),
-            ),
-            _ => ([15; 3], [15; 2]),
-        };
-        let [m0, m1, m2] = ends;
-        let [e1, e2] = corners;
-        let count = ring.known.len().max(1) as f64;
-        let nearby = ring.known.iter().map(|&w| scene.residual(w)[axis].abs()).sum::<f64>() / count;
-        let bias = ring.known.iter().map(|&w| scene.residual(w)[axis]).sum::<f64>() / count;
-        let spread = forecast.view.as_ref().map_or([0.0; 2], |view| view.spread);
-        let all = [
-            q | quarter << 2,
-            q << 3 | class | half << 8,
-            q | half << 4 | surprised << 12,
-            q | fraction << 4 | surprised << 8 | quarter << 12,
-            q << 3 | class | (ring.known.len() as u32).min(15) << 8 | (scene.degree(v) as u32).min(15) << 12 | surprised << 16,
-            a | base << 4 | half_step << 8,
-            a | e1 << 4 | e2 << 8,
-            a | m0 << 4 | m1 << 8 | m2 << 12,
-            a | base << 4 | m1 << 8,
-            a | base << 4 | half << 8,
-            a | m0 << 4 | m2 << 8 | half << 12,
-            a | size(self.last_of_axis[axis] as f64) << 4 | half << 8,
-            q | octaves(nearby + 0.2, 2.0) << 4 | half << 12,
-            q | octaves(spread[0] + 0.2, 2.0) << 4 | octaves(spread[1] + 0.2, 1.5) << 10,
-            q | fraction << 4 | half << 8,
-            q | size(self.last[0] as f64) << 4 | size(self.last[1] as f64) << 8 | half << 12,
-            q | size(bias) << 4 | half << 8,
-            q | near(means[1]) << 4 | near(means[2]) << 8 | fraction << 12,
-        ];
-        let mut contexts = [0; N];
-        for (i, context) in contexts.iter_mut().enumerate() {
-            *context = hash(all[i], i as u32);
-        }
-        contexts
     }
 
     /// Learns from a vertex that is known now.

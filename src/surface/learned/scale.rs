@@ -31,9 +31,9 @@ pub(super) struct Expected {
 const SMALLEST: [f64; 2] = [0.05, 0.03];
 
 impl Scale {
-    pub(super) fn new() -> Self {
-        let model = LeastSquares::new(0.9992, 1.0);
-        Self { across: model.clone(), along: model }
+    pub(super) fn new([across, along]: [[f64; INPUTS]; 2]) -> Self {
+        let model = |start| LeastSquares::new(start, 0.9992, 0.05);
+        Self { across: model(across), along: model(along) }
     }
 
     /// What to expect of a vertex that is predicted `shift` away from the mean parallelogram.
