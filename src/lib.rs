@@ -21,11 +21,14 @@ mod bits;
 #[allow(dead_code, unused_imports)] // until both doors use all of it
 mod codec;
 mod decode;
+mod distance;
 #[cfg(feature = "encode")]
 mod encode;
 mod entropy;
 mod error;
+pub mod eval;
 mod format;
+mod geom;
 mod limits;
 mod mesh;
 #[cfg(feature = "encode")]

@@ -1,0 +1,3 @@
+//! How results are written down.
+
+pub(crate) mod json;

@@ -1,0 +1,15 @@
+//! Plain geometry in f64: boxes, triangles, and trees that find what is near.
+//!
+//! Nothing here knows of meshes: triangles come as three points each.
+
+mod aabb;
+mod bvh;
+mod points;
+mod triangle;
+
+pub(crate) use aabb::Aabb;
+pub(crate) use bvh::{Bvh, Hit};
+#[allow(unused_imports)] // what asks which points are near
+pub(crate) use points::PointTree;
+#[allow(unused_imports)] // floors above ask for the point and its feature
+pub(crate) use triangle::{Closest, Feature, Triangle, distance2};
