@@ -4,7 +4,7 @@
 //!
 //! ```text
 //!  6  main.rs  cli                      talks: flags, stderr, exit codes. Computes nothing.
-//!  5  eval                              distances, PSNR, reports
+//!  5  eval                              every measure, the same-connectivity question, reports
 //!  4  encode  decode  options           the two doors; the only files that see both wings
 //!     ─────────────────────────────┬──────────────────────────────────────────────
 //!       SURFACE WING               │            BYTE WING
