@@ -17,6 +17,7 @@ use super::report::json::Json;
 use crate::error::{Error, Result};
 use crate::geom::PointTree;
 use crate::mesh::{Corners, Mesh, NONE};
+use crate::par;
 use crate::task::Task;
 use search::{Found, Search};
 use shape::Shape;
@@ -108,7 +109,7 @@ fn compare(a: &Mesh, b: &Mesh, tolerance: Option<f64>, task: &Task<'_>) -> Resul
             return Ok(Correspondence::different(format!("the {which} mesh has a face with a vertex that does not exist")));
         }
     }
-    let (mut x, mut y) = (Shape::new(a), Shape::new(b));
+    let (mut x, mut y) = par::join(|| Shape::new(a), || Shape::new(b));
     let differ = |what: &str, x: usize, y: usize| Ok(Correspondence::different(format!("{what}: {x} and {y}")));
     if x.used.len() != y.used.len() {
         return differ("vertices that a face uses", x.used.len(), y.used.len());
@@ -132,9 +133,12 @@ fn compare(a: &Mesh, b: &Mesh, tolerance: Option<f64>, task: &Task<'_>) -> Resul
     // The nearest vertices.
     let points: Vec<_> = y.used.iter().map(|&w| y.positions[w as usize]).collect();
     let tree = PointTree::new(&points);
+    let nearest = par::map(x.used.len(), |i| tree.nearest(x.positions[x.used[i] as usize]));
     let mut map = vec![NONE; a.positions.len()];
-    for &v in &x.used {
-        map[v as usize] = tree.nearest(x.positions[v as usize]).map_or(NONE, |(i, _)| y.used[i as usize]);
+    let mut least_move = 0.0_f64;
+    for (&v, (w, d)) in x.used.iter().zip(nearest.into_iter().flatten()) {
+        map[v as usize] = y.used[w as usize];
+        least_move = least_move.max(d);
     }
     if let Some(found) = question.answered_by(map, &x, &y) {
         return Ok(found);
@@ -146,7 +150,9 @@ fn compare(a: &Mesh, b: &Mesh, tolerance: Option<f64>, task: &Task<'_>) -> Resul
         return Ok(Correspondence::different("the faces around vertices do not agree"));
     }
     let search = |tolerance| Search::new(&x, &y, &tree, tolerance, task).run();
-    let bound = if tolerance.is_some() { search(tolerance)? } else { Found::GaveUp };
+    // Some vertex moves that far under any map. The right one is likely to do with little more, and where a mesh is
+    // symmetric or has equal components, a bound is what keeps others away.
+    let bound = search(tolerance.or(Some(LITTLE_MORE * least_move)))?;
     if let Found::Map(map) = bound {
         return Ok(question.judged(map, &x, &y));
     }
@@ -161,12 +167,15 @@ fn compare(a: &Mesh, b: &Mesh, tolerance: Option<f64>, task: &Task<'_>) -> Resul
         }
         Found::Nothing => Correspondence::different("walking both surfaces in lockstep leads nowhere"),
         Found::GaveUp => {
-            let verdict = if bound == Found::Nothing { Verdict::Different } else { Verdict::Undecided };
+            let verdict = if tolerance.is_some() && bound == Found::Nothing { Verdict::Different } else { Verdict::Undecided };
             let reason = "the search for a map was given up".into();
             Correspondence { verdict, connectivity: Verdict::Undecided, map: None, largest_move: None, reason }
         }
     })
 }
+
+/// How much farther than the least that some vertex must move anyway all of them may at first.
+const LITTLE_MORE: f64 = 2.0;
 
 /// What a map must do.
 struct Question {

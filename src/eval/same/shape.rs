@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::mesh::{Corners, Mesh, NONE, Union};
+use crate::par;
 
 /// A mesh prepared for the search.
 #[derive(Debug)]
@@ -95,30 +96,35 @@ impl Shape {
         &self.at[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
     }
 
-    /// One round of refinement: a vertex's next colour tells its colour and those of its neighbours, corner by corner.
-    fn refine(&mut self) {
-        let colour = &self.colour;
-        let of = |c: u32| {
-            let (next, prev) = (self.corners.vertex(self.corners.next(c)), self.corners.vertex(self.corners.prev(c)));
-            let (p, n) = (colour[prev as usize].wrapping_mul(5), colour[next as usize].wrapping_mul(3));
-            let sides = u64::from(self.kind[c as usize]) << 32 | u64::from(self.kind[self.corners.prev(c) as usize]);
-            mix(n.wrapping_add(p.rotate_left(17)).wrapping_add(mix(sides)))
+    /// For each corner, in the order of [`Shape::at`], the vertices after and before it, and what its two sides are.
+    fn neighbours(&self) -> Vec<(u32, u32, u64)> {
+        let sides = |c: u32, p: u32| u64::from(self.kind[c as usize]) << 32 | u64::from(self.kind[p as usize]);
+        let of = |&c: &u32| {
+            let (next, prev) = (self.corners.next(c), self.corners.prev(c));
+            (self.corners.vertex(next), self.corners.vertex(prev), mix(sides(c, prev)))
         };
-        let refined = self.used.iter().map(|&v| {
-            let around = self.at(v).iter().fold(0_u64, |sum, &c| sum.wrapping_add(of(c)));
-            mix(colour[v as usize].wrapping_mul(7).wrapping_add(around))
-        });
-        let refined: Vec<u64> = refined.collect();
-        for (&v, x) in self.used.iter().zip(refined) {
-            self.colour[v as usize] = x;
-        }
+        self.at.iter().map(of).collect()
     }
 
-    /// The colours of the used vertices, sorted.
-    fn palette(&self) -> Vec<u64> {
-        let mut palette: Vec<u64> = self.used.iter().map(|&v| self.colour[v as usize]).collect();
-        palette.sort_unstable();
-        palette
+    /// One round of refinement: a vertex's next colour tells its colour and those of its neighbours, corner by corner.
+    /// Returns the colours of the used vertices, sorted.
+    fn refine(&mut self, neighbours: &[(u32, u32, u64)]) -> Vec<u64> {
+        let colour = &self.colour;
+        let of = |&(next, prev, sides): &(u32, u32, u64)| {
+            let (n, p) = (colour[next as usize].wrapping_mul(3), colour[prev as usize].wrapping_mul(5));
+            mix(n.wrapping_add(p.rotate_left(17)).wrapping_add(sides))
+        };
+        let refined = self.used.iter().map(|&v| {
+            let corners = self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize;
+            let around = neighbours[corners].iter().fold(0_u64, |sum, c| sum.wrapping_add(of(c)));
+            mix(colour[v as usize].wrapping_mul(7).wrapping_add(around))
+        });
+        let mut refined: Vec<u64> = refined.collect();
+        for (&v, &x) in self.used.iter().zip(&refined) {
+            self.colour[v as usize] = x;
+        }
+        refined.sort_unstable();
+        refined
     }
 
     /// A number for each group that is the same for groups that a map can take to each other.
@@ -132,17 +138,17 @@ impl Shape {
     }
 }
 
-/// Rounds after which colours are good enough; real meshes need fewer than ten, grids as many as half their width.
-const ROUNDS: usize = 40;
+/// Rounds after which colours are good enough to begin a walk: it finds all that is left. Irregular meshes
+/// need no more to tell all vertices apart; grids would go on for half their width.
+const ROUNDS: usize = 8;
 
 /// Colours both shapes until no round tells more vertices apart. Whether the colours agree, as they must if the
 /// connectivity is the same.
 pub(super) fn colour(a: &mut Shape, b: &mut Shape) -> bool {
+    let (around_a, around_b) = par::join(|| a.neighbours(), || b.neighbours());
     let mut told_apart = 0;
     for _ in 0..ROUNDS {
-        a.refine();
-        b.refine();
-        let (x, y) = (a.palette(), b.palette());
+        let (x, y) = par::join(|| a.refine(&around_a), || b.refine(&around_b));
         if x != y {
             return false;
         }
