@@ -110,6 +110,7 @@ impl<'a> Decoder<'a> {
     /// # Errors
     /// As [`Decoder::decode`], and [`Error::Cancelled`].
     pub fn decode_with(&self, task: Task<'_>) -> Result<Mesh> {
+        task.step(0.0)?;
         let mut budget = Budget::new(self.limits);
         let header = &self.header;
         budget.check_vertices(header.vertices.into())?;

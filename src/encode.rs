@@ -41,6 +41,7 @@ impl EncodeOptions {
     /// As [`EncodeOptions::encode`], and [`Error::Cancelled`].
     pub fn encode_with(&self, mesh: &Mesh, task: Task<'_>) -> Result<Encoded> {
         self.check()?;
+        task.step(0.0)?;
         mesh.check()?;
         let triangles = mesh.faces.triangles();
         if triangles.is_empty() {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // what a test does not expect should fail it
 
+mod cli;
 mod corpus;
 mod determinism;
 mod io;

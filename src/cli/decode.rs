@@ -1,0 +1,75 @@
+//! `gimc decode IN MESH`
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Args;
+use gimc::eval::Json;
+use gimc::{Decoder, Format};
+
+use super::failure::Failure;
+use super::table::{number, thousands};
+use super::{Common, LimitFlags, Outcome, input, output};
+
+/// Decode a file to a mesh.
+#[derive(Debug, Args)]
+pub(super) struct Decode {
+    /// The file to decode.
+    input: PathBuf,
+    /// The mesh to make: obj, ply, off or stl by its extension.
+    mesh: PathBuf,
+    /// The format of the mesh [default: by extension; ply on stdout].
+    #[arg(long, value_name = "obj|ply|off|stl", value_parser = input::format)]
+    format: Option<Format>,
+    #[command(flatten)]
+    limits: LimitFlags,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Decode {
+    fn format(&self) -> Result<Format, Failure> {
+        let stdout = output::is_stdout(&self.mesh).then_some(Format::Ply);
+        self.format.or(stdout).or_else(|| Format::from_path(&self.mesh)).ok_or_else(|| {
+            let text = format!("{}: the extension is none of obj, ply, off, stl", self.mesh.display());
+            Failure::wrong_use(text, Some("`--format ply` says what to write".into()))
+        })
+    }
+
+    pub(super) fn run(self) -> Outcome {
+        if self.common.json && output::is_stdout(&self.mesh) {
+            return Err(Failure::wrong_use("--json and the mesh cannot both go to stdout", None));
+        }
+        let format = self.format()?;
+        let start = Instant::now();
+        let bytes = input::bytes(&self.input)?;
+        let limits = self.limits.limits();
+        let decoded = self.common.run("decoding", |task| {
+            let decoder = Decoder::with_limits(&bytes, limits)?;
+            let mesh = decoder.decode_with(task)?;
+            Ok((mesh, decoder.info().clone()))
+        });
+        let (mesh, info) = decoded.map_err(|e| Failure::in_file(&input::name(&self.input), e))?;
+        let notes = output::write(&self.mesh, |out| mesh.write(format, out))?;
+        let file = output::name(&self.mesh);
+        self.common.notes(&file, &notes);
+        let seconds = start.elapsed().as_secs_f64();
+        if self.common.json {
+            let json = Json::object([
+                ("vertices", mesh.positions.len().into()),
+                ("faces", mesh.faces.len().into()),
+                ("method", info.method.into()),
+                ("codec", info.codec.into()),
+                ("format", format.name().into()),
+                ("bound", info.bound.into()),
+                ("seconds", seconds.into()),
+            ]);
+            output::print(&format!("{json}\n"))?;
+        } else {
+            let (v, f) = (thousands(mesh.positions.len() as u64), thousands(mesh.faces.len() as u64));
+            self.common.say(format!("{file}: {v} vertices, {f} faces; within {}; {seconds:.2} s", number(info.bound)));
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

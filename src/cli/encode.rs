@@ -1,0 +1,166 @@
+//! `gimc encode MESH OUT`
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use gimc::eval::Json;
+use gimc::{Effort, EncodeOptions, Encoded, Format};
+
+use super::failure::Failure;
+use super::table::{number, thousands};
+use super::{Common, Outcome, input, output, positive};
+
+/// Encode a mesh.
+///
+/// The connectivity is kept exactly; positions are put on a lattice, and the file states a bound on the error that holds.
+#[derive(Debug, Args)]
+pub(super) struct Encode {
+    /// The mesh: obj, ply, off or stl.
+    mesh: PathBuf,
+    /// The file to make.
+    out: PathBuf,
+    /// How the mesh is kept.
+    #[arg(long, value_enum, default_value = "cgim")]
+    method: Method,
+    /// How it becomes bytes.
+    #[arg(long, value_enum, default_value = "surface")]
+    codec: Codec,
+    /// Positions on a lattice of 2^Q points along the longest side of the box [default: 12].
+    #[arg(long, value_name = "Q", value_parser = clap::value_parser!(u32).range(1..=24), group = "accuracy")]
+    bits: Option<u32>,
+    /// Positions on a lattice of this step, in the units of the mesh.
+    #[arg(long, value_name = "S", value_parser = positive, group = "accuracy")]
+    step: Option<f64>,
+    /// No point of either surface farther than this from the other, in the units of the mesh.
+    #[arg(long, value_name = "E", value_parser = positive, group = "accuracy")]
+    error: Option<f64>,
+    /// The same, as a share of the diagonal of the box.
+    #[arg(long, value_name = "R", value_parser = positive, group = "accuracy")]
+    error_rel: Option<f64>,
+    /// A lattice of your own: its origin and step. Files that share one agree where they meet.
+    #[arg(long, value_name = "X,Y,Z,STEP", value_parser = lattice, allow_hyphen_values = true, group = "accuracy")]
+    lattice: Option<([f64; 3], f64)>,
+    /// Time for size. Every file decodes with the same decoder.
+    #[arg(long, value_enum, default_value = "default")]
+    effort: EffortName,
+    /// The format of the mesh [default: by extension or content].
+    #[arg(long, value_name = "obj|ply|off|stl", value_parser = input::format)]
+    format: Option<Format>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Method {
+    /// Keep the connectivity.
+    Cgim,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Codec {
+    /// Code the mesh by walking over its surface.
+    Surface,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum EffortName {
+    /// Integers only, few contexts.
+    Fast,
+    /// A good size for a moderate time.
+    Default,
+    /// The smallest size.
+    Best,
+}
+
+/// `x,y,z,step`.
+fn lattice(text: &str) -> Result<([f64; 3], f64), String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|s| s.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z, step]) if step > 0.0 => Ok(([x, y, z], step)),
+        _ => Err("three coordinates and a positive step are expected, with commas between".into()),
+    }
+}
+
+impl Encode {
+    fn options(&self) -> EncodeOptions {
+        let (Method::Cgim, Codec::Surface) = (self.method, self.codec);
+        let mut options = EncodeOptions::cgim().effort(match self.effort {
+            EffortName::Fast => Effort::Fast,
+            EffortName::Default => Effort::Default,
+            EffortName::Best => Effort::Best,
+        });
+        if let Some(bits) = self.bits {
+            options = options.bits(bits);
+        } else if let Some(step) = self.step {
+            options = options.step(step);
+        } else if let Some(bound) = self.error {
+            options = options.error(bound);
+        } else if let Some(bound) = self.error_rel {
+            options = options.error_relative(bound);
+        } else if let Some((origin, step)) = self.lattice {
+            options = options.lattice(origin, step);
+        }
+        options
+    }
+
+    pub(super) fn run(self) -> Outcome {
+        if self.common.json && output::is_stdout(&self.out) {
+            return Err(Failure::wrong_use("--json and the file cannot both go to stdout", None));
+        }
+        let start = Instant::now();
+        let file = input::name(&self.mesh);
+        let (mesh, notes) = input::mesh(&self.mesh, self.format)?;
+        self.common.notes(&file, &notes);
+        let options = self.options();
+        let encoded =
+            self.common.run("encoding", |task| options.encode_with(&mesh, task)).map_err(|e| Failure::in_file(&file, e))?;
+        self.common.notes(&file, &encoded.notes);
+        output::write(&self.out, |out| Ok(out.write_all(&encoded.bytes)?))?;
+        let seconds = start.elapsed().as_secs_f64();
+        let bpv = 8.0 * encoded.bytes.len() as f64 / mesh.positions.len().max(1) as f64;
+        if self.common.json {
+            output::print(&format!("{}\n", json(&encoded, bpv, seconds)))?;
+        } else {
+            let info = &encoded.info;
+            self.common.say(format!(
+                "{}: {} vertices, {} faces; {} bytes, {bpv:.2} bits a vertex; within {}; {seconds:.2} s",
+                output::name(&self.out),
+                thousands(info.vertices),
+                thousands(info.faces),
+                thousands(encoded.bytes.len() as u64),
+                number(info.bound),
+            ));
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// The effort by its name on the command line.
+pub(super) fn effort_name(effort: Effort) -> &'static str {
+    match effort {
+        Effort::Fast => "fast",
+        Effort::Best => "best",
+        _ => "default",
+    }
+}
+
+fn json(encoded: &Encoded, bpv: f64, seconds: f64) -> Json {
+    let info = &encoded.info;
+    Json::object([
+        ("vertices", info.vertices.into()),
+        ("faces", info.faces.into()),
+        ("method", info.method.into()),
+        ("codec", info.codec.into()),
+        ("effort", effort_name(info.effort).into()),
+        ("bytes", encoded.bytes.len().into()),
+        ("bpv", bpv.into()),
+        ("bits", info.bits.map_or(Json::Null, Json::from)),
+        ("step", info.step.into()),
+        ("bound", info.bound.into()),
+        ("seconds", seconds.into()),
+        ("parts", Json::object(info.parts.iter().map(|&(name, bytes)| (name, bytes.into())))),
+        ("notes", Json::list(encoded.notes.iter().map(String::as_str))),
+    ])
+}

@@ -1,0 +1,87 @@
+//! `gimc info IN`
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use gimc::Decoder;
+use gimc::eval::Json;
+
+use super::encode::effort_name;
+use super::failure::Failure;
+use super::table::{Table, number, point, thousands};
+use super::{Common, Outcome, input, output};
+
+/// Say what a file holds, without decoding it.
+#[derive(Debug, Args)]
+pub(super) struct Info {
+    /// The file.
+    input: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Info {
+    pub(super) fn run(self) -> Outcome {
+        let file = input::name(&self.input);
+        let bytes = input::bytes(&self.input)?;
+        let info =
+            self.common.run("reading", |_| Ok(Decoder::new(&bytes)?.info().clone())).map_err(|e| Failure::in_file(&file, e))?;
+        let bpv = 8.0 * bytes.len() as f64 / f64::from(info.vertices.max(1));
+        output::print(&if self.common.json { json(&info, bytes.len(), bpv) } else { text(&info, &file, bytes.len(), bpv) })?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn json(info: &gimc::Info, bytes: usize, bpv: f64) -> String {
+    let json = Json::object([
+        ("version", u32::from(info.version).into()),
+        ("method", info.method.into()),
+        ("codec", info.codec.into()),
+        ("effort", effort_name(info.effort).into()),
+        ("vertices", info.vertices.into()),
+        ("faces", info.faces.into()),
+        ("bytes", bytes.into()),
+        ("bpv", bpv.into()),
+        ("box", Json::list(info.bounds.iter().map(|&p| Json::list(p)))),
+        ("origin", Json::list(info.origin)),
+        ("step", info.step.into()),
+        ("bits", info.bits.map_or(Json::Null, Json::from)),
+        ("bound", info.bound.into()),
+        ("precision", precision(info).into()),
+        ("parts", Json::object(info.parts.iter().map(|&(name, bytes)| (name, bytes.into())))),
+        (
+            "chunks",
+            Json::list(info.chunks.iter().map(|c| Json::object([("tag", c.tag.as_str().into()), ("bytes", c.bytes.into())]))),
+        ),
+        ("memory", info.memory.into()),
+        ("work", info.work.into()),
+    ]);
+    format!("{json}\n")
+}
+
+fn precision(info: &gimc::Info) -> &'static str {
+    if info.precision == gimc::Scalar::F64 { "f64" } else { "f32" }
+}
+
+fn text(info: &gimc::Info, file: &str, bytes: usize, bpv: f64) -> String {
+    let mut table = Table::default();
+    table.row("file", format!("{file}, version {}", info.version));
+    table.row("coded as", format!("{}, {}, effort {}", info.method, info.codec, effort_name(info.effort)));
+    table.row("vertices", thousands(info.vertices));
+    table.row("faces", thousands(info.faces));
+    table.row("bytes", format!("{}, {bpv:.3} bits a vertex", thousands(bytes as u64)));
+    for (name, part) in &info.parts {
+        table.row(format!("  {name}"), thousands(*part));
+    }
+    table.row("box", format!("{}  to  {}", point(info.bounds[0]), point(info.bounds[1])));
+    let bits = info.bits.map_or(String::new(), |bits| format!(", {bits} bits"));
+    table.row("step", format!("{}{bits}, from {}", number(info.step), point(info.origin)));
+    table.row("bound", format!("{}: no point of either surface is farther than this from the other", number(info.bound)));
+    table.row("coordinates", precision(info));
+    for chunk in &info.chunks {
+        table.row(format!("chunk {}", chunk.tag), format!("{} bytes", thousands(chunk.bytes)));
+    }
+    table.row("to decode", format!("{} bytes of memory, {} steps", thousands(info.memory), thousands(info.work)));
+    table.to_string()
+}
