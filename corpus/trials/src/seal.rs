@@ -63,3 +63,20 @@ pub fn changed(file: &[u8], change: impl FnOnce(&mut Vec<Chunk>)) -> Vec<u8> {
     change(&mut chunks);
     close(&chunks)
 }
+
+/// A file whose header and body are these bytes: the first says how many of them are the header's.
+pub fn from_noise(bytes: &[u8]) -> Vec<u8> {
+    let Some((&length, rest)) = bytes.split_first() else { return close(&[]) };
+    let (header, body) = rest.split_at(usize::from(length).min(rest.len()));
+    close(&[(*b"HEAD", header.to_vec()), (*b"SURF", body.to_vec())])
+}
+
+/// The bytes from which [`from_noise`] makes this file, if its chunks are as there: seeds for a fuzzer.
+pub fn to_noise(file: &[u8]) -> Option<Vec<u8>> {
+    match &open(file)[..] {
+        [(header, a), (body, b)] if header == b"HEAD" && body == b"SURF" => {
+            Some([&[u8::try_from(a.len()).ok()?][..], a, b].concat())
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,35 @@
+//! Writes small sound files for the fuzz targets to start from.
+//!
+//! `cargo run -p trials --bin seeds -- fuzz/corpus`
+
+use std::path::Path;
+
+use gimc::{Effort, EncodeOptions, Format, Mesh};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = std::env::args().nth(1).ok_or("use: seeds FOLDER")?;
+    let folder = Path::new(&folder);
+    for target in ["decode", "sealed", "obj", "ply", "off", "stl", "roundtrip"] {
+        std::fs::create_dir_all(folder.join(target))?;
+    }
+    for seed in 0..24_u64 {
+        let shape = corpus_make::any(seed, 60);
+        let mesh = Mesh::from_triangles(shape.positions, shape.triangles);
+        let effort = [Effort::Fast, Effort::Default, Effort::Best][seed as usize % 3];
+        let options = EncodeOptions::cgim().effort(effort);
+        let options = if seed % 2 == 0 { options.bits(6) } else { options.error_relative(0.01) };
+        let file = options.encode(&mesh)?;
+        if let Some(noise) = trials::seal::to_noise(&file) {
+            std::fs::write(folder.join(format!("sealed/{seed}")), noise)?;
+        }
+        std::fs::write(folder.join(format!("decode/{seed}")), file)?;
+        for format in Format::ALL {
+            let mut bytes = Vec::new();
+            mesh.write(format, &mut bytes)?;
+            std::fs::write(folder.join(format!("{format}/{seed}")), bytes)?;
+        }
+        let choices = [&seed.to_le_bytes()[..], &[seed as u8, seed as u8, 10]].concat();
+        std::fs::write(folder.join(format!("roundtrip/{seed}")), choices)?;
+    }
+    Ok(())
+}
