@@ -88,6 +88,10 @@ impl<'a> Decoder<'a> {
         }
         let chunk = chunks.one(SurfaceChunk::TAG)?;
         let surface = SurfaceChunk::read(chunk.reader())?;
+        if header.vertices.checked_add(surface.holes).is_none() {
+            let why = format!("{} vertices and {} holes do not fit 32 bits", header.vertices, surface.holes);
+            return Err(Error::malformed(Place::Whole, why));
+        }
         let info = Info::new(bytes, &chunks, &header, &surface)?;
         Ok(Self { header, surface, limits, info })
     }
