@@ -17,10 +17,10 @@ use super::{Common, LimitFlags, Outcome, input, output};
 pub(super) struct Decode {
     /// The file to decode.
     input: PathBuf,
-    /// The mesh to make: obj, ply, off or stl by its extension.
+    /// The mesh to make: obj, ply, off, stl or glb by its extension.
     mesh: PathBuf,
-    /// The format of the mesh [default: by extension; ply on stdout].
-    #[arg(long, value_name = "obj|ply|off|stl", value_parser = input::format)]
+    /// The format of the mesh: obj, ply, off, stl, glb [default: by extension; ply on stdout].
+    #[arg(long, value_name = "FORMAT", value_parser = input::format)]
     format: Option<Format>,
     #[command(flatten)]
     limits: LimitFlags,
@@ -32,7 +32,7 @@ impl Decode {
     fn format(&self) -> Result<Format, Failure> {
         let stdout = output::is_stdout(&self.mesh).then_some(Format::Ply);
         self.format.or(stdout).or_else(|| Format::from_path(&self.mesh)).ok_or_else(|| {
-            let text = format!("{}: the extension is none of obj, ply, off, stl", self.mesh.display());
+            let text = format!("{}: the extension is none of obj, ply, off, stl, glb, glb", self.mesh.display());
             Failure::wrong_use(text, Some("`--format ply` says what to write".into()))
         })
     }

@@ -17,7 +17,7 @@ use super::{Common, Outcome, input, output, positive};
 /// The connectivity is kept exactly; positions are put on a lattice, and the file states a bound on the error that holds.
 #[derive(Debug, Args)]
 pub(super) struct Encode {
-    /// The mesh: obj, ply, off or stl.
+    /// The mesh: obj, ply, off, stl or glb.
     mesh: PathBuf,
     /// The file to make.
     out: PathBuf,
@@ -45,8 +45,8 @@ pub(super) struct Encode {
     /// Time for size. Every file decodes with the same decoder.
     #[arg(long, value_enum, default_value = "default")]
     effort: EffortName,
-    /// The format of the mesh [default: by extension or content].
-    #[arg(long, value_name = "obj|ply|off|stl", value_parser = input::format)]
+    /// The format of the mesh: obj, ply, off, stl, glb [default: by extension or content].
+    #[arg(long, value_name = "FORMAT", value_parser = input::format)]
     format: Option<Format>,
     #[command(flatten)]
     common: Common,

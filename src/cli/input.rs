@@ -40,12 +40,12 @@ pub(super) fn mesh(file: &Path, format: Option<Format>) -> Result<(Mesh, Vec<Str
     read().map_err(|e| Failure::in_file(&name(file), e))
 }
 
-/// The format by the extension, unless the content proves that it is PLY.
+/// The format by the extension, unless the content proves that it is PLY or GLB.
 fn named_otherwise(file: &Path, bytes: &[u8]) -> Option<Format> {
-    if bytes.starts_with(b"ply") { None } else { Format::from_path(file) }
+    if bytes.starts_with(b"ply") || bytes.starts_with(b"glTF") { None } else { Format::from_path(file) }
 }
 
 /// A format by name, for `--format`.
 pub(super) fn format(text: &str) -> Result<Format, String> {
-    Format::from_name(text).ok_or_else(|| "one of obj, ply, off, stl is expected".into())
+    Format::from_name(text).ok_or_else(|| "one of obj, ply, off, stl, glb is expected".into())
 }

@@ -16,8 +16,8 @@ use super::{Common, Outcome, input, output};
 pub(super) struct Inspect {
     /// The mesh.
     mesh: PathBuf,
-    /// The format of the mesh [default: by extension or content].
-    #[arg(long, value_name = "obj|ply|off|stl", value_parser = input::format)]
+    /// The format of the mesh: obj, ply, off, stl, glb [default: by extension or content].
+    #[arg(long, value_name = "FORMAT", value_parser = input::format)]
     format: Option<Format>,
     #[command(flatten)]
     common: Common,

@@ -18,8 +18,8 @@ pub(super) struct Verify {
     input: PathBuf,
     /// The mesh that it was made from.
     mesh: Option<PathBuf>,
-    /// The format of the mesh [default: by extension or content].
-    #[arg(long, value_name = "obj|ply|off|stl", value_parser = input::format)]
+    /// The format of the mesh: obj, ply, off, stl, glb [default: by extension or content].
+    #[arg(long, value_name = "FORMAT", value_parser = input::format)]
     format: Option<Format>,
     #[command(flatten)]
     limits: LimitFlags,

@@ -221,7 +221,7 @@ fn every_format_comes_out_by_its_extension_and_goes_in_again() {
     let folder = Folder::new("formats");
     let file = folder.file("a.gimc");
     done(&["encode", &mesh("sphere.ply"), &file]);
-    for extension in ["obj", "ply", "off", "stl"] {
+    for extension in ["obj", "ply", "off", "stl", "glb"] {
         let (out, again) = (folder.file(&format!("m.{extension}")), folder.file("again.gimc"));
         done(&["decode", &file, &out]);
         done(&["encode", &out, &again]);

@@ -9,7 +9,7 @@ use gimc::{Effort, EncodeOptions, Format, Mesh};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("use: seeds FOLDER")?;
     let folder = Path::new(&folder);
-    for target in ["decode", "sealed", "obj", "ply", "off", "stl", "roundtrip"] {
+    for target in ["decode", "sealed", "obj", "ply", "off", "stl", "glb", "roundtrip"] {
         std::fs::create_dir_all(folder.join(target))?;
     }
     for seed in 0..24_u64 {
