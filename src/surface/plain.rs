@@ -15,6 +15,9 @@ use crate::task::Task;
 /// Contexts a residual.
 const CONTEXTS: usize = 5;
 
+/// The offset of a point that is not known.
+const ABSENT: u32 = 15;
+
 /// A vertex without known neighbours has no size to go by.
 const NO_SIZE: u32 = 31;
 
@@ -22,16 +25,11 @@ const NO_SIZE: u32 = 31;
 struct Forecast {
     /// The predicted position.
     position: [i32; 3],
-    /// How the prediction came about: 0 from nothing, 1 from a neighbour or an edge, then 1 + gates, at most 4.
-    class: u32,
     /// Half octaves of the neighbours' mean error.
     size: u32,
-    /// Known neighbours.
-    ring: u32,
-    /// The known vertices opposite: of the first gate, and of the last.
-    ends: Option<[[i32; 3]; 3]>,
-    /// The parallelograms of the first and the last gate.
-    gates: Option<[[i32; 3]; 2]>,
+    /// The ends of the first gate and the second end of the last; the vertices across the first and
+    /// the last gate; their parallelograms.
+    landmarks: Option<[[i32; 3]; 7]>,
 }
 
 /// Codes the positions of the vertices in `range`, in the order that [`Order`] finds.
@@ -56,17 +54,15 @@ pub(super) fn code<C: BitCoder>(
         let forecast = forecast(surface, outgoing, &order, positions, &errors, first, extent, v);
         let i = (v - first) as usize;
         let mut total = 0_u32;
-        let mut last = [0; 2];
         for axis in 0..3 {
             let predicted = forecast.position[axis];
-            let contexts = contexts(&forecast, axis, total, last);
+            let contexts = contexts(&forecast, axis, total);
             let residual = residuals.code(coder, positions[i][axis].wrapping_sub(predicted), axis, contexts);
             positions[i][axis] = predicted.wrapping_add(residual);
             if !(0..=extent[axis]).contains(&positions[i][axis]) {
                 return Err(Error::malformed(Place::Whole, format!("a coordinate of vertex {v} is outside the box")));
             }
             total = total.saturating_add(residual.unsigned_abs());
-            last = [residual, last[0]];
         }
         errors[i] = total;
         order.learn(v);
@@ -97,9 +93,8 @@ fn forecast(
 ) -> Forecast {
     let at = |v: u32| positions[(v - first) as usize];
     let (mut gates, mut sum) = (0_i64, [0_i64; 3]);
-    let (mut ring, mut error_sum, mut beside) = (0, 0_u64, None);
-    let (mut edge, mut ends, mut ends_of_gates): (Option<[u32; 2]>, _, _) =
-        (None, None::<[[i32; 3]; 3]>, None::<[[i32; 3]; 2]>);
+    let (mut ring, mut error_sum, mut beside) = (0_u32, 0_u64, None);
+    let (mut edge, mut landmarks) = (None, None::<[[i32; 3]; 7]>);
     let start = outgoing[v as usize];
     let mut h = start;
     loop {
@@ -116,8 +111,10 @@ fn forecast(
                     let corner = [0, 1, 2].map(|q| pa[q].wrapping_add(pb[q]).wrapping_sub(pc[q]));
                     (0..3).for_each(|q| sum[q] += i64::from(corner[q]));
                     gates += 1;
-                    ends = Some(ends.map_or([pa, pb, pb], |e| [e[0], e[1], pb]));
-                    ends_of_gates = Some(ends_of_gates.map_or([corner, corner], |e| [e[0], corner]));
+                    landmarks = match landmarks {
+                        None => Some([pa, pb, pb, pc, pc, corner, corner]),
+                        Some([a, b, _, c, _, g, _]) => Some([a, b, pb, c, pc, g, corner]),
+                    };
                 } else {
                     edge = Some([a, b]);
                 }
@@ -137,31 +134,27 @@ fn forecast(
     };
     Forecast {
         position: [0, 1, 2].map(|q| position[q].clamp(0, extent[q])),
-        class: if gates > 0 { 1 + gates.min(3) as u32 } else { u32::from(beside.is_some()) },
         size: if ring > 0 { half_octaves((2 * error_sum / u64::from(ring)) as u32) } else { NO_SIZE },
-        ring,
-        ends,
-        gates: ends_of_gates,
+        landmarks,
     }
 }
 
-/// The contexts of one coordinate: how large errors are around here, how large they were on the
-/// axes before, and where the lattice points of the neighbours lie (equal coordinates repeat).
+/// The contexts of one coordinate: how large errors are around here and on the axes before, and where
+/// the coordinates of points nearby lie, counted from the prediction (equal coordinates repeat).
 #[inline]
-fn contexts(forecast: &Forecast, axis: usize, total: u32, last: [i32; 2]) -> [u32; CONTEXTS] {
+fn contexts(forecast: &Forecast, axis: usize, total: u32) -> [u32; CONTEXTS] {
     let predicted = forecast.position[axis];
-    let near = |x: i32| (x.wrapping_sub(predicted).clamp(-7, 7) + 7) as u32;
+    let offset = |p: [i32; 3]| (p[axis].wrapping_sub(predicted).clamp(-7, 7) + 7) as u32;
     let q = axis as u32;
     let size = forecast.size;
     let before = if axis == 0 { 0 } else { (1 + half_octaves(total) / 2).min(7) };
-    let [a, b, d] = forecast.ends.map_or([15; 3], |e| e.map(|p| near(p[axis])));
-    let [g, f] = forecast.gates.map_or([15; 2], |e| e.map(|p| near(p[axis])));
+    let [a, b, d, c, e, g, f] = forecast.landmarks.map_or([ABSENT; 7], |points| points.map(offset));
     [
         (q * 32 + size) * 8 + before,
-        ((q * 8 + before) * 8 + forecast.class) * 16 + forecast.ring.min(15),
-        ((q * 10 + signed_size(last[0])) * 10 + signed_size(last[1])) * 16 + size / 2,
         ((q * 16 + a) * 16 + b) * 16 + d,
         hash(((q * 16 + g) * 16 + f) * 32 + size, 0),
+        hash(((q * 16 + g) * 16 + f) * 256 + a * 16 + b, 1),
+        hash(((q * 16 + g) * 16 + c) * 16 + e, 2),
     ]
 }
 
@@ -172,17 +165,4 @@ fn half_octaves(n: u32) -> u32 {
     let octave = n.ilog2();
     let half = if octave > 0 { n >> (octave - 1) & 1 } else { 0 };
     (2 * octave + half).min(31)
-}
-
-/// A residual in nine classes.
-#[inline]
-fn signed_size(r: i32) -> u32 {
-    let size = match r.unsigned_abs() {
-        0 => 0,
-        1 => 1,
-        2..=4 => 2,
-        5..=11 => 3,
-        _ => 4,
-    };
-    if r < 0 { 9 - size } else { size }
 }

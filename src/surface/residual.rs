@@ -21,8 +21,8 @@ pub(super) struct Residuals<const N: usize> {
 
 impl<const N: usize> Residuals<N> {
     pub(super) fn new(vertices: usize) -> Self {
-        let options = MixerOptions { lines_log2: (vertices.max(1).ilog2()).clamp(6, 12), rate_shift: 6, count_limit: 127 };
-        Self { mixer: Mixer::new(options, &[Start::even(30); 3]), high: vec![[AdaptiveBit::default(); 3]; 3 * CLASSES] }
+        let options = MixerOptions { lines_log2: (vertices.max(1).ilog2()).clamp(6, 14), rate_shift: 5, count_limit: 60 };
+        Self { mixer: Mixer::new(options, &[Start::even(25); 3]), high: vec![[AdaptiveBit::default(); 3]; 3 * CLASSES] }
     }
 
     /// Codes a residual of one axis.
