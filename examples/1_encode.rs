@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example 1_encode -- corpus/meshes/bumpy_sphere.ply sphere.gimc`
 
+#![allow(clippy::print_stdout)]
+
 use gimc::{EncodeOptions, Mesh};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

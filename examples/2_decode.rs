@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example 2_decode -- sphere.gimc sphere.obj`
 
+#![allow(clippy::print_stdout)]
+
 use gimc::{Decoder, Limits};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

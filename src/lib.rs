@@ -1,5 +1,22 @@
 //! Triangle meshes as compact, certified files.
 //!
+//! The connectivity comes back exactly, every vertex within a bound that the file states:
+//!
+//! ```
+//! let mesh = gimc::Mesh::open("corpus/meshes/sphere.ply")?;
+//! let bytes = gimc::EncodeOptions::cgim().bits(12).encode(&mesh)?;
+//! let file = gimc::Decoder::new(&bytes)?; // header read and checked, nothing large allocated
+//! println!("{} faces, within {}", file.info().faces, file.info().bound);
+//! let back = file.decode()?;
+//! # assert_eq!(back.faces.len(), mesh.faces.len());
+//! # Ok::<(), gimc::Error>(())
+//! ```
+//!
+//! [`Mesh`] reads and writes OBJ, PLY, OFF, STL and GLB; [`EncodeOptions`] says how exact and how small; [`Decoder`] holds to
+//! [`Limits`]; [`Task`] watches and stops long calls; [`eval`] measures. The program `gimc` is a thin skin over these.
+//!
+//! # The picture
+//!
 //! Imports only point down; `tests/it/layers.rs` holds the table and fails when one does not.
 //!
 //! ```text

@@ -120,3 +120,19 @@ pub fn on_lattice(shape: &Shape, bits: u32) -> Shape {
     let positions = shape.positions.iter().map(|p| [0, 1, 2].map(|axis| place(p[axis], axis))).collect();
     Shape { positions, triangles: shape.triangles.clone() }
 }
+
+/// A number for everything that a mesh holds, bit for bit: FNV-1a over coordinates and corners.
+pub fn fingerprint(mesh: &Mesh) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut add = |bytes: &[u8]| {
+        for &byte in bytes {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
+        }
+    };
+    mesh.positions.iter().flatten().for_each(|x| add(&x.to_le_bytes()));
+    for face in mesh.faces.iter() {
+        add(&(face.len() as u32).to_le_bytes());
+        face.iter().for_each(|v| add(&v.to_le_bytes()));
+    }
+    hash
+}
