@@ -17,10 +17,6 @@ impl Writer {
         self.bytes.push(value);
     }
 
-    pub(crate) fn u32(&mut self, value: u32) {
-        self.bytes.write_u32::<LittleEndian>(value).ok(); // a Vec never refuses bytes
-    }
-
     pub(crate) fn f32(&mut self, value: f32) {
         self.bytes.write_f32::<LittleEndian>(value).ok();
     }

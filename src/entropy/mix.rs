@@ -137,16 +137,16 @@ impl<const N: usize, const E: usize> Mixer<N, E> {
 
         let error = (if decision { ONE } else { 0 }) - p as i32;
         let shift = 10 + self.options.rate_shift;
-        let error = error * HASTE[weights.uses as usize] >> 4;
+        let error = (error * HASTE[weights.uses as usize]) >> 4;
         weights.uses = (weights.uses + 1).min(HASTE.len() as u32 - 1);
         for i in 0..N {
-            weights.contexts[i] += (i64::from(inputs[i]) * i64::from(error) >> shift) as i32;
+            weights.contexts[i] += ((i64::from(inputs[i]) * i64::from(error)) >> shift) as i32;
             self.lines[self.chosen[i] as usize][node].learn(decision, self.options.count_limit);
         }
         for i in 0..E {
-            weights.experts[i] += (i64::from(experts[i]) * i64::from(error) >> shift) as i32;
+            weights.experts[i] += ((i64::from(experts[i]) * i64::from(error)) >> shift) as i32;
         }
-        weights.bias += (i64::from(BIAS) * i64::from(error) >> shift) as i32;
+        weights.bias += ((i64::from(BIAS) * i64::from(error)) >> shift) as i32;
         decision
     }
 }

@@ -50,7 +50,7 @@ impl AdaptiveBit {
         let count = self.0 & COUNT;
         let p = i64::from(self.0 >> 10);
         let target = if decision { (1 << 22) - 1 } else { 0 };
-        let moved = p + ((target - p) * i64::from(RATE[count as usize]) >> 16);
+        let moved = p + (((target - p) * i64::from(RATE[count as usize])) >> 16);
         self.0 = (moved as u32) << 10 | (count + u32::from(count < limit));
     }
 

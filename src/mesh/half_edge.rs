@@ -33,7 +33,7 @@ pub(crate) fn next(h: u32) -> u32 {
 /// The previous half-edge of the same triangle.
 #[inline]
 pub(crate) fn prev(h: u32) -> u32 {
-    if h % 3 == 0 { h + 2 } else { h - 1 }
+    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
 
 impl HalfEdges {
@@ -154,6 +154,7 @@ impl HalfEdges {
     }
 
     /// The vertex of `h`'s triangle that is not on `h`.
+    #[allow(dead_code)] // the image codecs ask it
     #[inline]
     pub(crate) fn apex(&self, h: u32) -> u32 {
         self.from(prev(h))

@@ -67,7 +67,7 @@ pub(super) fn code<C: BitCoder>(
         errors[i] = total;
         order.learn(v);
         count += 1;
-        if count % (1 << 14) == 0 {
+        if count.is_multiple_of(1 << 14) {
             if coder.is_exhausted() {
                 break;
             }

@@ -154,7 +154,7 @@ pub(super) fn walk<C: BitCoder, G: Guide>(
         while let Some(gate) = walk.next_gate() {
             walk.cross(gate)?;
             steps = steps.wrapping_add(1);
-            if steps % (1 << 16) == 0 {
+            if steps.is_multiple_of(1 << 16) {
                 task.step(walk.surface.valence.len() as f64 / vertices as f64)?;
             }
         }

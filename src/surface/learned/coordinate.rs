@@ -35,6 +35,7 @@ impl<const N: usize, const E: usize> Coordinates<N, E> {
     /// Codes `value` (an index into `values`), expected at the index `centre`.
     ///
     /// `rank` is the place of the axis in the order of axes. The result may be out of range if the stream is damaged.
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn code<C: BitCoder>(
         &mut self,
         coder: &mut C,

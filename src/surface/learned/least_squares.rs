@@ -67,7 +67,7 @@ impl<const N: usize> LeastSquares<N> {
             trace += row[i];
         }
         self.updates = self.updates.wrapping_add(1);
-        if self.updates % UPDATES_A_REPAIR == 0 {
+        if self.updates.is_multiple_of(UPDATES_A_REPAIR) {
             for i in 1..N {
                 for j in 0..i {
                     self.inverse[i][j] = self.inverse[j][i];

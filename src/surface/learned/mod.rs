@@ -266,7 +266,7 @@ fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: us
         };
         positions[i] = position;
         count += 1;
-        if count % (1 << 12) == 0 {
+        if count.is_multiple_of(1 << 12) {
             if coder.is_exhausted() {
                 break;
             }
