@@ -93,4 +93,18 @@ mod tests {
             assert!((f64::from(stretch(i << 4)) - exact).abs() <= 0.51, "stretch({i})");
         }
     }
+
+    #[test]
+    fn the_tables_are_those_of_the_specification() {
+        let made: String = std::iter::once("squash\n".to_owned())
+            .chain(SQUASH.iter().map(|p| format!("{p}\n")))
+            .chain(std::iter::once("stretch\n".to_owned()))
+            .chain(STRETCH.iter().map(|x| format!("{x}\n")))
+            .collect();
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("spec/vectors/logistic.txt");
+        if std::env::var_os("GIMC_BLESS").is_some() {
+            std::fs::write(&path, &made).unwrap();
+        }
+        assert!(std::fs::read_to_string(path).unwrap() == made, "see spec/README.md, \"Changes\"");
+    }
 }

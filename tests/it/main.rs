@@ -10,3 +10,4 @@ mod io;
 mod layers;
 mod robustness;
 mod roundtrip;
+mod spec;

@@ -110,3 +110,40 @@ pub(super) static ALL: Start<{ features::ALL }, { contexts::ALL }, 4> = Start {
         Mixing { contexts: [4, 5, 5, 4, 4, 4, 4, 4, 4, 5, 4, 5, 2, 3, 3, 4, 4, 3], experts: [27, 10, 14, 1], bias: -3 },
     ],
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(text: &mut String, name: &str, numbers: &[f64]) {
+        *text += name;
+        numbers.iter().for_each(|x| *text += &format!(" {x}"));
+        *text += "\n";
+    }
+
+    fn print<const F: usize, const N: usize, const E: usize>(text: &mut String, effort: &str, start: &Start<F, N, E>) {
+        for class in 0..5 {
+            line(text, &format!("{effort} class {class} prediction"), &start.predictions[class]);
+            line(text, &format!("{effort} class {class} scale across"), &start.scales[class][0]);
+            line(text, &format!("{effort} class {class} scale along"), &start.scales[class][1]);
+            line(text, &format!("{effort} class {class} blend"), &start.blends[class]);
+        }
+        for (when, mixing) in ["before", "after"].into_iter().zip(&start.mixing) {
+            line(text, &format!("{effort} {when} the sign: contexts"), &mixing.contexts.map(f64::from));
+            line(text, &format!("{effort} {when} the sign: experts"), &mixing.experts.map(f64::from));
+            line(text, &format!("{effort} {when} the sign: constant"), &[mixing.bias.into()]);
+        }
+    }
+
+    #[test]
+    fn the_weights_are_those_of_the_specification() {
+        let mut made = String::new();
+        print(&mut made, "default", &LEAN);
+        print(&mut made, "best", &ALL);
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("spec/vectors/trained.txt");
+        if std::env::var_os("GIMC_BLESS").is_some() {
+            std::fs::write(&path, &made).unwrap();
+        }
+        assert!(std::fs::read_to_string(path).unwrap() == made, "see spec/README.md, \"Changes\"");
+    }
+}
