@@ -5,7 +5,8 @@
 //! stands for itself and for the side of its face from its vertex to that of the next corner. All sides
 //! between the same two vertices form one edge, in whichever direction they run.
 //!
-//! Faces of fewer than three corners, or that name a vertex which does not exist, are passed over.
+//! Faces of fewer than three corners, or that name a vertex which does not exist, are passed over; so is
+//! whatever else the caller does not want.
 
 use super::Faces;
 use super::half_edge::NONE;
@@ -29,8 +30,13 @@ pub(crate) struct Corners {
 }
 
 impl Corners {
-    /// Sorts the sides of faces into edges. O(n log n).
+    /// Sorts the sides of all faces into edges. O(n log n).
     pub(crate) fn new(vertices: usize, faces: &Faces) -> Self {
+        Self::of(vertices, faces, |_| true)
+    }
+
+    /// The same for the faces that are wanted, by their numbers.
+    pub(crate) fn of(vertices: usize, faces: &Faces, wanted: impl Fn(usize) -> bool) -> Self {
         let mut this = Self {
             faces: Vec::with_capacity(faces.len()),
             starts: vec![0],
@@ -41,7 +47,7 @@ impl Corners {
             edges: Vec::new(),
         };
         for (number, corners) in faces.iter().enumerate() {
-            if corners.len() >= 3 && corners.iter().all(|&v| (v as usize) < vertices) {
+            if corners.len() >= 3 && wanted(number) && corners.iter().all(|&v| (v as usize) < vertices) {
                 this.face.extend(corners.iter().map(|_| this.faces.len() as u32));
                 this.vertices.extend_from_slice(corners);
                 this.faces.push(number as u32);

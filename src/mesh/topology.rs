@@ -1,0 +1,464 @@
+//! The doctor: what a mesh is like, sound or not.
+//!
+//! Counts parts, boundaries and handles, finds every kind of fault with the first places where it
+//! occurs, and says it in plain words. It takes any mesh, however broken, and never fails.
+//!
+//! Polygons count by their edges, not by the triangles they would be cut into. Faces that cannot be part
+//! of a surface (fewer than three corners, one vertex named twice, vertices that do not exist) are counted
+//! as faults and left out of everything else. Around each vertex, faces are sorted into fans; where a vertex has
+//! several, it counts as several vertices for boundary loops and for the genus, as if it had been split.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use glam::DVec3;
+
+use super::{Corners, HalfEdges, Mesh, Union};
+use crate::error::{Error, MeshDefect};
+
+/// So many places of each fault are listed.
+const PLACES: usize = 10;
+
+/// How often something occurs, and the first places.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Places<T> {
+    /// How often.
+    pub count: usize,
+    /// The first places, at most ten, in rising order.
+    pub first: Vec<T>,
+}
+
+impl<T: Ord> Places<T> {
+    fn new(mut all: Vec<T>) -> Self {
+        let count = all.len();
+        all.sort_unstable();
+        all.truncate(PLACES);
+        Self { count, first: all }
+    }
+}
+
+/// What [`Mesh::inspect`] found. Counts of faults are 0 in a sound mesh.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Report {
+    /// Vertices, unused ones included.
+    pub vertices: usize,
+    /// Faces.
+    pub faces: usize,
+    /// Triangles, once polygons are cut into fans.
+    pub triangles: usize,
+    /// Faces by their number of corners, as (corners, faces).
+    pub polygons: Vec<(usize, usize)>,
+    /// Edges, each counted once.
+    pub edges: usize,
+    /// Parts that share no vertex.
+    pub components: usize,
+    /// Edges with one face.
+    pub boundary_edges: usize,
+    /// Chains of boundary edges that close.
+    pub boundary_loops: usize,
+    /// Handles of all components together; `None` where an edge has more than two faces or the surface has one side only.
+    pub genus: Option<usize>,
+    /// Vertices − edges + faces, of the vertices that a face uses.
+    pub euler: i64,
+    /// Whether the faces can all be turned so that neighbours agree about the outside.
+    pub orientable: bool,
+    /// How many faces at least have to be turned for that, if it is possible.
+    pub faces_to_turn: usize,
+    /// The lowest and the highest corner of the box of all finite vertices.
+    pub bounds: Option<[[f64; 3]; 2]>,
+    /// The diagonal of that box, 0 without one.
+    pub diagonal: f64,
+    /// Edges with more than two faces.
+    pub non_manifold_edges: Places<[u32; 2]>,
+    /// Vertices whose faces form more than one fan.
+    pub non_manifold_vertices: Places<u32>,
+    /// Edges that two faces walk in the same direction: they disagree about which side is outside.
+    pub flipped_edges: Places<[u32; 2]>,
+    /// Faces of fewer than three corners, or that name a vertex twice.
+    pub degenerate_faces: Places<u32>,
+    /// Faces with a vertex that does not exist.
+    pub broken_faces: Places<u32>,
+    /// Faces with the same vertices as an earlier face.
+    pub duplicate_faces: Places<u32>,
+    /// Faces without area whose vertices differ.
+    pub flat_faces: Places<u32>,
+    /// Triangles without area among those that all other faces would be cut into.
+    pub flat_triangles: usize,
+    /// Vertices that no face uses.
+    pub isolated_vertices: Places<u32>,
+    /// Vertices at the same place as an earlier vertex.
+    pub duplicate_positions: Places<u32>,
+    /// Vertices with a coordinate that is not a finite number.
+    pub non_finite_vertices: Places<u32>,
+    /// Why the mesh is not an oriented manifold of finite triangles; `None` if it is.
+    pub obstacle: Option<MeshDefect>,
+}
+
+impl Mesh {
+    /// Examines the mesh. O(n log n).
+    pub fn inspect(&self) -> Report {
+        let vertices = self.positions.len();
+        let broken = |f: &[u32]| f.iter().any(|&v| v as usize >= vertices);
+        let sound: Vec<bool> = self.faces.iter().map(|f| !broken(f) && !is_degenerate(f)).collect();
+        let corners = Corners::of(vertices, &self.faces, |f| sound[f]);
+        let faces_where = |wanted: &dyn Fn(usize, &[u32]) -> bool| {
+            Places::new(self.faces.iter().enumerate().filter(|&(i, f)| wanted(i, f)).map(|(i, _)| i as u32).collect())
+        };
+        let mut used = vec![false; vertices];
+        self.faces.corners().iter().for_each(|&v| used.get_mut(v as usize).into_iter().for_each(|u| *u = true));
+        let vertices_where = |wanted: &dyn Fn(usize) -> bool| {
+            Places::new((0..vertices).filter(|&v| wanted(v)).map(|v| v as u32).collect())
+        };
+        let finite = |v: usize| self.positions[v].iter().all(|x| x.is_finite());
+        let bounds = crate::plane::bounding_box(self.positions.iter().filter(|p| p.iter().all(|x| x.is_finite())).copied());
+        let flat = |t: [u32; 3]| self.is_flat(t);
+        let surface = Surface::new(&corners, vertices);
+        Report {
+            vertices,
+            faces: self.faces.len(),
+            triangles: self.faces.iter().map(|f| f.len().saturating_sub(2)).sum(),
+            polygons: self.faces.iter().fold(BTreeMap::new(), |mut n, f| {
+                *n.entry(f.len()).or_insert(0) += 1;
+                n
+            }).into_iter().collect(),
+            edges: corners.edges().len(),
+            components: surface.components,
+            boundary_edges: surface.boundary_edges,
+            boundary_loops: surface.boundary_loops,
+            genus: surface.genus,
+            euler: surface.used as i64 - corners.edges().len() as i64 + corners.face_count() as i64,
+            orientable: surface.faces_to_turn.is_some(),
+            faces_to_turn: surface.faces_to_turn.unwrap_or(0),
+            bounds,
+            diagonal: bounds.map_or(0.0, |[lo, hi]| DVec3::from(lo).distance(DVec3::from(hi))),
+            non_manifold_edges: Places::new(surface.crowded),
+            non_manifold_vertices: vertices_where(&|v| surface.fans[v] > 1),
+            flipped_edges: Places::new(surface.flipped),
+            degenerate_faces: faces_where(&|_, f| !broken(f) && is_degenerate(f)),
+            broken_faces: faces_where(&|_, f| broken(f)),
+            duplicate_faces: self.duplicate_faces(&corners),
+            flat_faces: faces_where(&|i, f| sound[i] && fan(f).all(flat)),
+            flat_triangles: self.faces.iter().zip(&sound).filter(|x| *x.1).flat_map(|x| fan(x.0)).filter(|&t| flat(t)).count(),
+            isolated_vertices: vertices_where(&|v| !used[v]),
+            duplicate_positions: self.duplicate_positions(),
+            non_finite_vertices: vertices_where(&|v| !finite(v)),
+            obstacle: self.obstacle(),
+        }
+    }
+
+    /// Whether a triangle of finite corners has no area.
+    fn is_flat(&self, t: [u32; 3]) -> bool {
+        let [a, b, c] = t.map(|v| DVec3::from(self.positions[v as usize]));
+        (b - a).cross(c - a) == DVec3::ZERO
+    }
+
+    fn duplicate_faces(&self, corners: &Corners) -> Places<u32> {
+        let mut keys: Vec<(Vec<u32>, u32)> = (0..corners.face_count() as u32)
+            .map(|f| {
+                let mut key = corners.of_face(f).to_vec();
+                key.sort_unstable();
+                (key, corners.number(f))
+            })
+            .collect();
+        keys.sort_unstable();
+        Places::new(keys.chunk_by(|x, y| x.0 == y.0).flat_map(|same| &same[1..]).map(|x| x.1).collect())
+    }
+
+    fn duplicate_positions(&self) -> Places<u32> {
+        // −0 and 0 are the same place; what is not a number is at no place.
+        let place = |(v, p): (usize, &[f64; 3])| (p.map(|x| (x + 0.0).to_bits()), v as u32);
+        let numbers = self.positions.iter().enumerate().filter(|(_, p)| p.iter().all(|x| !x.is_nan()));
+        let mut keys: Vec<([u64; 3], u32)> = numbers.map(place).collect();
+        keys.sort_unstable();
+        Places::new(keys.chunk_by(|x, y| x.0 == y.0).flat_map(|same| &same[1..]).map(|x| x.1).collect())
+    }
+
+    fn obstacle(&self) -> Option<MeshDefect> {
+        let triangles = self.faces.triangles();
+        if triangles.is_empty() {
+            return Some(MeshDefect::Empty);
+        }
+        match self.check().and_then(|()| HalfEdges::new(self.positions.len(), triangles).map(|_| ())) {
+            Err(Error::Mesh(defect)) => Some(defect),
+            _ => None,
+        }
+    }
+}
+
+/// Fewer than three corners, or a vertex named twice.
+fn is_degenerate(face: &[u32]) -> bool {
+    let mut sorted = face.to_vec();
+    sorted.sort_unstable();
+    sorted.len() < 3 || sorted.windows(2).any(|pair| pair[0] == pair[1])
+}
+
+/// The triangles of a face.
+fn fan(face: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
+    face[1..].windows(2).map(|edge| [face[0], edge[0], edge[1]])
+}
+
+/// What the sound faces make up together.
+struct Surface {
+    used: usize,
+    components: usize,
+    boundary_edges: usize,
+    boundary_loops: usize,
+    genus: Option<usize>,
+    /// `None` if no way of turning makes all neighbours agree.
+    faces_to_turn: Option<usize>,
+    crowded: Vec<[u32; 2]>,
+    flipped: Vec<[u32; 2]>,
+    /// For each vertex the number of fans of faces around it.
+    fans: Vec<u32>,
+}
+
+impl Surface {
+    fn new(corners: &Corners, vertices: usize) -> Self {
+        let faces = corners.face_count();
+        // Corners of one fan; vertices of one component; faces over edges of two; the same with a side of the face each,
+        // where neighbours that agree join equal sides: face `f` as it is and, at `f + faces`, turned.
+        let mut fans = Union::new(corners.len());
+        let mut components = Union::new(vertices);
+        let mut pieces = Union::new(faces);
+        let mut sides = Union::new(2 * faces);
+        let (mut crowded, mut flipped, mut boundary) = (Vec::new(), Vec::new(), Vec::new());
+        for edge in corners.edges() {
+            let c = edge[0];
+            let (v, w) = (corners.vertex(c), corners.vertex(corners.next(c)));
+            components.join(v, w);
+            for &d in &edge[1..] {
+                let (at_v, at_w) = if corners.vertex(d) == v { (d, corners.next(d)) } else { (corners.next(d), d) };
+                fans.join(c, at_v);
+                fans.join(corners.next(c), at_w);
+            }
+            let ends = [v.min(w), v.max(w)];
+            match *edge {
+                [_] => boundary.push(c),
+                [_, d] => {
+                    let (f, g, turned) = (corners.face(c), corners.face(d), faces as u32);
+                    pieces.join(f, g);
+                    let alike = corners.run_alike(c, d);
+                    if alike {
+                        flipped.push(ends);
+                    }
+                    let across = if alike { [(f, g + turned), (f + turned, g)] } else { [(f, g), (f + turned, g + turned)] };
+                    across.into_iter().for_each(|(x, y)| sides.join(x, y));
+                }
+                _ => crowded.push(ends),
+            }
+        }
+
+        // Boundary edges that end in one fan follow each other around a loop.
+        let (fan_of, fan_count) = fans.numbered();
+        let mut loops = Union::new(boundary.len());
+        let mut at_fan = vec![None; fan_count];
+        for (i, &c) in boundary.iter().enumerate() {
+            for end in [c, corners.next(c)] {
+                match &mut at_fan[fan_of[end as usize] as usize] {
+                    Some(other) => loops.join(*other, i as u32),
+                    empty => *empty = Some(i as u32),
+                }
+            }
+        }
+        let (_, boundary_loops) = loops.numbered();
+
+        let mut fans = vec![0; vertices];
+        let mut counted = vec![false; fan_count];
+        for (c, &fan) in fan_of.iter().enumerate() {
+            if !std::mem::replace(&mut counted[fan as usize], true) {
+                fans[corners.vertex(c as u32) as usize] += 1;
+            }
+        }
+        let used = fans.iter().filter(|&&n| n > 0).count();
+        let (_, sets) = components.numbered();
+        let faces_to_turn = faces_to_turn(sides, faces);
+        let (_, pieces) = pieces.numbered();
+        let split = fan_count as i64 - corners.edges().len() as i64 + faces as i64;
+        let twice = 2 * pieces as i64 - split - boundary_loops as i64;
+        let defined = crowded.is_empty() && faces_to_turn.is_some() && twice >= 0 && twice % 2 == 0;
+        Self {
+            used,
+            components: sets - (vertices - used),
+            boundary_edges: boundary.len(),
+            boundary_loops,
+            genus: defined.then_some(twice as usize / 2),
+            faces_to_turn,
+            crowded,
+            flipped,
+            fans,
+        }
+    }
+}
+
+/// How few faces can be turned so that all neighbours agree; `None` if a face would have to agree with its own other side.
+fn faces_to_turn(sides: Union, faces: usize) -> Option<usize> {
+    let (set, sets) = sides.numbered();
+    let (mut as_is, mut turned) = (vec![0_usize; sets], 0);
+    for f in 0..faces {
+        if set[f] == set[f + faces] {
+            return None;
+        }
+        as_is[set[f] as usize] += 1;
+    }
+    // Each piece shows up twice: with these faces as they are and the others turned, and the other way round.
+    let mut done = vec![false; sets];
+    for f in 0..faces {
+        let (one, other) = (set[f] as usize, set[f + faces] as usize);
+        if !std::mem::replace(&mut done[one.min(other)], true) {
+            turned += as_is[one].min(as_is[other]);
+        }
+    }
+    Some(turned)
+}
+
+impl Report {
+    /// Whether every face is sound, every edge has at most two faces that agree, and every vertex one fan.
+    pub fn is_manifold(&self) -> bool {
+        let edges = self.non_manifold_edges.count + self.flipped_edges.count;
+        edges + self.non_manifold_vertices.count + self.degenerate_faces.count + self.broken_faces.count == 0
+    }
+
+    /// Whether the mesh is manifold and has no boundary.
+    pub fn is_closed(&self) -> bool {
+        self.is_manifold() && self.faces > 0 && self.boundary_edges == 0
+    }
+
+    /// What repairing would do, a sentence without full stop for each step; nothing if there is nothing to do.
+    pub fn repairs(&self) -> Vec<String> {
+        let mut steps = Vec::new();
+        let mut step = |n: usize, one: &str, many: &str, rest: &str| {
+            if n > 0 {
+                steps.push(format!("{}{rest}", counted(n, one, many)));
+            }
+        };
+        step(self.duplicate_positions.count, "weld {} vertex", "weld {} vertices", " to others at the same place");
+        step(self.degenerate_faces.count, "drop {} degenerate face", "drop {} degenerate faces", "");
+        step(self.duplicate_faces.count, "drop {} duplicate face", "drop {} duplicate faces", "");
+        step(self.faces_to_turn, "turn {} face", "turn {} faces", " so that neighbours agree about the outside");
+        steps
+    }
+
+    /// Every kind of fault that occurs: how often, said in words, and the first places.
+    fn faults(&self) -> Vec<(String, String)> {
+        let mut faults = Vec::new();
+        let list = |first: Vec<String>, count: usize| {
+            format!("{}{}", first.join(", "), if count > first.len() { ", …" } else { "" })
+        };
+        let mut edges = |p: &Places<[u32; 2]>, one: &str, many: &str| {
+            if p.count > 0 {
+                let first = p.first.iter().map(|[a, b]| format!("{a}–{b}")).collect();
+                faults.push((counted(p.count, one, many), list(first, p.count)));
+            }
+        };
+        edges(&self.non_manifold_edges, "{} edge has more than two faces", "{} edges have more than two faces");
+        let disagree = "in the same direction by both faces, which so disagree about the outside";
+        edges(&self.flipped_edges, &format!("{{}} edge is walked {disagree}"), &format!("{{}} edges are walked {disagree}"));
+        let mut single = |p: &Places<u32>, one: &str, many: &str| {
+            if p.count > 0 {
+                faults.push((counted(p.count, one, many), list(p.first.iter().map(u32::to_string).collect(), p.count)));
+            }
+        };
+        let fans = "several fans of faces";
+        single(&self.non_manifold_vertices, &format!("{{}} vertex joins {fans}"), &format!("{{}} vertices join {fans}"));
+        let corners = "fewer than three different corners";
+        single(&self.degenerate_faces, &format!("{{}} face has {corners}"), &format!("{{}} faces have {corners}"));
+        let missing = "a vertex that does not exist";
+        single(&self.broken_faces, &format!("{{}} face names {missing}"), &format!("{{}} faces name {missing}"));
+        let again = "the same vertices as an earlier face";
+        single(&self.duplicate_faces, &format!("{{}} face has {again}"), &format!("{{}} faces have {again}"));
+        single(&self.flat_faces, "{} face has no area", "{} faces have no area");
+        single(&self.isolated_vertices, "{} vertex is used by no face", "{} vertices are used by no face");
+        let place = "at the same place as an earlier vertex";
+        single(&self.duplicate_positions, &format!("{{}} vertex is {place}"), &format!("{{}} vertices are {place}"));
+        let number = "a coordinate that is not a finite number";
+        single(&self.non_finite_vertices, &format!("{{}} vertex has {number}"), &format!("{{}} vertices have {number}"));
+        faults
+    }
+}
+
+/// A phrase with its number put in, `one` or `many` as it asks for.
+fn counted(n: usize, one: &str, many: &str) -> String {
+    (if n == 1 { one } else { many }).replace("{}", &thousands(n))
+}
+
+/// `1234567` as `1,234,567`.
+fn thousands(n: usize) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, c) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(c);
+    }
+    text
+}
+
+/// The report in plain words: what the mesh is, what is wrong with it and where, and what can be done.
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let vertices = counted(self.vertices, "{} vertex", "{} vertices");
+        writeln!(f, "{vertices}, {}{}.", counted(self.faces, "{} face", "{} faces"), self.kinds())?;
+        let shape = match (self.is_manifold(), self.is_closed()) {
+            _ if self.faces == 0 => "There is no surface",
+            (_, true) => "The surface is a closed oriented manifold",
+            (true, false) => "The surface is an oriented manifold with boundary",
+            _ => "The surface is not an oriented manifold",
+        };
+        write!(f, "{shape}: {}", counted(self.components, "{} component", "{} components"))?;
+        write!(f, ", {}", counted(self.boundary_loops, "{} boundary loop", "{} boundary loops"))?;
+        match self.genus {
+            Some(genus) => write!(f, ", genus {genus}")?,
+            None => write!(f, ", genus not defined")?,
+        }
+        writeln!(f, ", {} (vertices − edges + faces = {}).", counted(self.edges, "{} edge", "{} edges"), self.euler)?;
+        if !self.orientable {
+            writeln!(f, "It has one side only, like a Möbius strip: no way of turning faces makes all neighbours agree.")?;
+        }
+        if let Some([lo, hi]) = self.bounds {
+            let point = |p: [f64; 3]| format!("({}, {}, {})", p[0], p[1], p[2]);
+            writeln!(f, "It lies between {} and {}, a diagonal of {:.6}.", point(lo), point(hi), self.diagonal)?;
+        }
+        let faults = self.faults();
+        if faults.is_empty() {
+            writeln!(f, "\nNo faults were found.")?;
+        } else {
+            writeln!(f, "\nFaults, with the first places (counted from 0):")?;
+            for (what, places) in faults {
+                writeln!(f, "  {what}: {places}")?;
+            }
+        }
+        match &self.obstacle {
+            None => writeln!(f, "\nEvery method takes oriented manifolds: this mesh can be encoded as it is."),
+            Some(why) => writeln!(f, "\nMethods that want an oriented manifold do not take it as it is: {why}."),
+        }?;
+        match self.repairs().as_slice() {
+            [] => Ok(()),
+            steps => writeln!(f, "Repairing would {}.", steps.join(", ")),
+        }
+    }
+}
+
+impl Report {
+    /// `: 12 triangles, 3 quads, 4 polygons of up to 8 corners`; nothing where all are triangles.
+    fn kinds(&self) -> String {
+        if let [] | [(3, _)] = self.polygons[..] {
+            return String::new();
+        }
+        let mut kinds = Vec::new();
+        let mut kind = |from: usize, to: usize, one: &str, many: &str| {
+            let of = self.polygons.iter().filter(|p| (from..=to).contains(&p.0));
+            let (n, most) = of.fold((0, 0), |(n, most), &(corners, faces)| (n + faces, corners.max(most)));
+            if n > 0 {
+                kinds.push(counted(n, one, many).replace("{most}", &most.to_string()));
+            }
+        };
+        kind(0, 2, "{} of fewer than three corners", "{} of fewer than three corners");
+        kind(3, 3, "{} triangle", "{} triangles");
+        kind(4, 4, "{} quad", "{} quads");
+        kind(5, usize::MAX, "{} polygon of {most} corners", "{} polygons of up to {most} corners");
+        format!(": {}", kinds.join(", "))
+    }
+}
