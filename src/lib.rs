@@ -61,7 +61,7 @@ pub use decode::{ChunkInfo, Decoder, Info};
 pub use encode::Encoded;
 pub use error::{Error, MeshDefect, Place, Result};
 pub use limits::Limits;
-pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Label, LabelKind, Loaded, Mesh, Scalar};
+pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Label, LabelKind, Loaded, Mesh, Places, Scalar};
 #[cfg(feature = "encode")]
 pub use options::{Accuracy, EncodeOptions};
 pub use par::with_threads;

@@ -41,7 +41,7 @@ impl<T: Ord> Places<T> {
 /// What [`Mesh::inspect`] found. Counts of faults are 0 in a sound mesh.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub struct Report {
+pub struct Inspection {
     /// Vertices, unused ones included.
     pub vertices: usize,
     /// Faces.
@@ -98,7 +98,7 @@ pub struct Report {
 
 impl Mesh {
     /// Examines the mesh. O(n log n).
-    pub fn inspect(&self) -> Report {
+    pub fn inspect(&self) -> Inspection {
         let vertices = self.positions.len();
         let broken = |f: &[u32]| f.iter().any(|&v| v as usize >= vertices);
         let sound: Vec<bool> = self.faces.iter().map(|f| !broken(f) && !is_degenerate(f)).collect();
@@ -108,21 +108,25 @@ impl Mesh {
         };
         let mut used = vec![false; vertices];
         self.faces.corners().iter().for_each(|&v| used.get_mut(v as usize).into_iter().for_each(|u| *u = true));
-        let vertices_where = |wanted: &dyn Fn(usize) -> bool| {
-            Places::new((0..vertices).filter(|&v| wanted(v)).map(|v| v as u32).collect())
-        };
+        let vertices_where =
+            |wanted: &dyn Fn(usize) -> bool| Places::new((0..vertices).filter(|&v| wanted(v)).map(|v| v as u32).collect());
         let finite = |v: usize| self.positions[v].iter().all(|x| x.is_finite());
         let bounds = crate::plane::bounding_box(self.positions.iter().filter(|p| p.iter().all(|x| x.is_finite())).copied());
         let flat = |t: [u32; 3]| self.is_flat(t);
         let surface = Surface::new(&corners, vertices);
-        Report {
+        Inspection {
             vertices,
             faces: self.faces.len(),
             triangles: self.faces.iter().map(|f| f.len().saturating_sub(2)).sum(),
-            polygons: self.faces.iter().fold(BTreeMap::new(), |mut n, f| {
-                *n.entry(f.len()).or_insert(0) += 1;
-                n
-            }).into_iter().collect(),
+            polygons: self
+                .faces
+                .iter()
+                .fold(BTreeMap::new(), |mut n, f| {
+                    *n.entry(f.len()).or_insert(0) += 1;
+                    n
+                })
+                .into_iter()
+                .collect(),
             edges: corners.edges().len(),
             components: surface.components,
             boundary_edges: surface.boundary_edges,
@@ -181,6 +185,15 @@ impl Mesh {
             return Some(MeshDefect::Empty);
         }
         match self.check().and_then(|()| HalfEdges::new(self.positions.len(), triangles).map(|_| ())) {
+            // Half-edges count triangles; a report counts faces.
+            Err(Error::Mesh(MeshDefect::Degenerate { face })) => {
+                let mut ends = self.faces.iter().scan(0, |end, f| {
+                    *end += f.len().saturating_sub(2);
+                    Some(*end)
+                });
+                let face = ends.position(|end| end > face as usize).map_or(face, |f| f as u32);
+                Some(MeshDefect::Degenerate { face })
+            }
             Err(Error::Mesh(defect)) => Some(defect),
             _ => None,
         }
@@ -313,7 +326,7 @@ fn faces_to_turn(sides: Union, faces: usize) -> Option<usize> {
     Some(turned)
 }
 
-impl Report {
+impl Inspection {
     /// Whether every face is sound, every edge has at most two faces that agree, and every vertex one fan.
     pub fn is_manifold(&self) -> bool {
         let edges = self.non_manifold_edges.count + self.flipped_edges.count;
@@ -343,9 +356,8 @@ impl Report {
     /// Every kind of fault that occurs: how often, said in words, and the first places.
     fn faults(&self) -> Vec<(String, String)> {
         let mut faults = Vec::new();
-        let list = |first: Vec<String>, count: usize| {
-            format!("{}{}", first.join(", "), if count > first.len() { ", …" } else { "" })
-        };
+        let list =
+            |first: Vec<String>, count: usize| format!("{}{}", first.join(", "), if count > first.len() { ", …" } else { "" });
         let mut edges = |p: &Places<[u32; 2]>, one: &str, many: &str| {
             if p.count > 0 {
                 let first = p.first.iter().map(|[a, b]| format!("{a}–{b}")).collect();
@@ -362,8 +374,12 @@ impl Report {
         };
         let fans = "several fans of faces";
         single(&self.non_manifold_vertices, &format!("{{}} vertex joins {fans}"), &format!("{{}} vertices join {fans}"));
-        let corners = "fewer than three different corners";
-        single(&self.degenerate_faces, &format!("{{}} face has {corners}"), &format!("{{}} faces have {corners}"));
+        let fewer = "fewer than three corners";
+        single(
+            &self.degenerate_faces,
+            &format!("{{}} face names one vertex twice or has {fewer}"),
+            &format!("{{}} faces name one vertex twice or have {fewer}"),
+        );
         let missing = "a vertex that does not exist";
         single(&self.broken_faces, &format!("{{}} face names {missing}"), &format!("{{}} faces name {missing}"));
         let again = "the same vertices as an earlier face";
@@ -397,7 +413,7 @@ fn thousands(n: usize) -> String {
 }
 
 /// The report in plain words: what the mesh is, what is wrong with it and where, and what can be done.
-impl fmt::Display for Report {
+impl fmt::Display for Inspection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let vertices = counted(self.vertices, "{} vertex", "{} vertices");
         writeln!(f, "{vertices}, {}{}.", counted(self.faces, "{} face", "{} faces"), self.kinds())?;
@@ -441,7 +457,7 @@ impl fmt::Display for Report {
     }
 }
 
-impl Report {
+impl Inspection {
     /// `: 12 triangles, 3 quads, 4 polygons of up to 8 corners`; nothing where all are triangles.
     fn kinds(&self) -> String {
         if let [] | [(3, _)] = self.polygons[..] {
@@ -460,5 +476,123 @@ impl Report {
         kind(4, 4, "{} quad", "{} quads");
         kind(5, usize::MAX, "{} polygon of {most} corners", "{} polygons of up to {most} corners");
         format!(": {}", kinds.join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn inspect(vertices: usize, faces: &[&[u32]]) -> Inspection {
+        let mut mesh = Mesh::default();
+        for i in 0..vertices {
+            let i = i as f64;
+            mesh.positions.push([i, i * i, i * i * i]);
+        }
+        faces.iter().for_each(|f| mesh.faces.push(f));
+        mesh.inspect()
+    }
+
+    #[test]
+    fn a_cube_of_quads_is_closed_and_of_genus_0() {
+        let cube: [&[u32]; 6] = [&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
+        let found = inspect(9, &cube);
+        assert!(found.is_closed());
+        assert_eq!((found.edges, found.components, found.boundary_loops, found.genus), (12, 1, 0, Some(0)));
+        assert_eq!((found.isolated_vertices.count, found.polygons.clone()), (1, vec![(4, 6)]));
+        assert_eq!((found.triangles, found.euler, found.obstacle), (12, 2, None));
+    }
+
+    #[test]
+    fn a_torus_of_quads_has_one_handle_and_a_hole_in_it_one_loop() {
+        let at = |i: u32, j: u32| (i % 4) * 4 + j % 4;
+        let faces: Vec<[u32; 4]> =
+            (0..16).map(|f| (f / 4, f % 4)).map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]).collect();
+        let slices: Vec<&[u32]> = faces.iter().map(|f| &f[..]).collect();
+        let found = inspect(16, &slices);
+        assert_eq!((found.boundary_loops, found.genus, found.euler), (0, Some(1), 0));
+        let found = inspect(16, &slices[1..]);
+        assert_eq!((found.boundary_loops, found.genus, found.boundary_edges), (1, Some(1), 4));
+    }
+
+    #[test]
+    fn every_fault_is_counted_once_and_has_its_place() {
+        let bow_tie = inspect(5, &[&[0, 1, 2], &[0, 3, 4]]);
+        assert_eq!((&bow_tie.non_manifold_vertices.first[..], bow_tie.components, bow_tie.boundary_loops), (&[0][..], 1, 2));
+        assert_eq!(bow_tie.genus, Some(0));
+        assert_eq!(bow_tie.obstacle, Some(MeshDefect::NonManifoldVertex { vertex: 0 }));
+        let fin = inspect(5, &[&[0, 1, 2], &[1, 0, 3], &[0, 1, 4]]);
+        assert_eq!((&fin.non_manifold_edges.first[..], fin.non_manifold_vertices.count, fin.genus), (&[[0, 1]][..], 0, None));
+        let flipped = inspect(4, &[&[0, 1, 2], &[0, 1, 3]]);
+        assert_eq!((&flipped.flipped_edges.first[..], flipped.non_manifold_vertices.count), (&[[0, 1]][..], 0));
+        assert_eq!((flipped.genus, flipped.boundary_loops, flipped.orientable, flipped.faces_to_turn), (Some(0), 1, true, 1));
+        let worn = inspect(4, &[&[0, 1, 2], &[2, 0, 1], &[1, 1, 3], &[0, 3], &[0, 1, 9]]);
+        assert_eq!((&worn.duplicate_faces.first[..], &worn.degenerate_faces.first[..]), (&[1][..], &[2, 3][..]));
+        assert_eq!((&worn.broken_faces.first[..], worn.components), (&[4][..], 1));
+        let narrow = inspect(5, &[&[0, 1, 2, 3], &[3, 2, 2, 4]]);
+        assert_eq!(narrow.obstacle, Some(MeshDefect::Degenerate { face: 1 }));
+    }
+
+    #[test]
+    fn a_moebius_strip_has_one_side_one_loop_and_no_genus() {
+        // Five quads around, the last of them turned over.
+        let strip: Vec<[u32; 4]> = (0..5)
+            .map(|i| (2 * i, 2 * i + 2))
+            .map(|(a, b)| match b {
+                10 => [a, 1, 0, a + 1],
+                _ => [a, b, b + 1, a + 1],
+            })
+            .collect();
+        let found = inspect(10, &strip.iter().map(|f| &f[..]).collect::<Vec<_>>());
+        assert_eq!((found.orientable, found.boundary_loops, found.genus, found.euler), (false, 1, None, 0));
+        assert_eq!(found.flipped_edges.count, 1);
+        assert!(found.to_string().contains("one side only"), "{found}");
+    }
+
+    #[test]
+    fn the_fewest_faces_are_turned_in_each_piece() {
+        // Two tetrahedra; one face of the first and three of the second look inwards.
+        let tetrahedron = |v: u32, inwards: usize| {
+            [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].into_iter().enumerate().map(move |(i, t): (usize, [u32; 3])| {
+                let [a, b, c] = t.map(|x| x + v);
+                if i < inwards { [a, c, b] } else { [a, b, c] }
+            })
+        };
+        let faces: Vec<[u32; 3]> = tetrahedron(0, 1).chain(tetrahedron(4, 3)).collect();
+        let found = inspect(8, &faces.iter().map(|f| &f[..]).collect::<Vec<_>>());
+        assert_eq!((found.faces_to_turn, found.flipped_edges.count, found.genus), (2, 6, Some(0)));
+        assert_eq!(found.repairs(), ["turn 2 faces so that neighbours agree about the outside"]);
+    }
+
+    #[test]
+    fn places_that_coincide_and_faces_without_area_are_counted() {
+        let mut mesh = Mesh::from_triangles(
+            vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [-0.0, 0.0, 0.0], [f64::NAN, 0.0, 0.0], [f64::NAN, 0.0, 0.0]],
+            [[0, 1, 2], [0, 1, 4]],
+        );
+        mesh.faces.push(&[]);
+        let found = mesh.inspect();
+        assert_eq!((&found.flat_faces.first[..], &found.duplicate_positions.first[..]), (&[0][..], &[3][..]));
+        assert_eq!((&found.non_finite_vertices.first[..], &found.isolated_vertices.first[..]), (&[4, 5][..], &[3, 5][..]));
+        assert_eq!((found.bounds, found.diagonal), (Some([[0.0; 3], [2.0, 0.0, 0.0]]), 2.0));
+        assert_eq!(found.flat_triangles, 1);
+    }
+
+    #[test]
+    fn only_the_first_places_are_listed_and_the_count_is_of_all() {
+        let found = inspect(25, &[&[0, 1, 2]]);
+        assert_eq!(
+            (found.isolated_vertices.count, &found.isolated_vertices.first[..]),
+            (22, &[3, 4, 5, 6, 7, 8, 9, 10, 11, 12][..])
+        );
+        assert!(found.to_string().contains("22 vertices are used by no face: 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, …"), "{found}");
+    }
+
+    #[test]
+    fn nothing_at_all_is_reported_on_too() {
+        let found = Mesh::default().inspect();
+        assert_eq!((found.components, found.genus, found.euler, found.bounds), (0, Some(0), 0, None));
+        assert_eq!(found.obstacle, Some(MeshDefect::Empty));
+        assert!(found.to_string().contains("no surface"), "{found}");
     }
 }

@@ -1,3 +1,4 @@
 //! How results are written down.
 
+mod doctor;
 pub(crate) mod json;
