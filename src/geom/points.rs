@@ -45,8 +45,8 @@ impl PointTree {
         Self { points: ids.iter().map(|&i| points[i as usize]).collect(), ids, axes }
     }
 
-    /// Calls `visit` with the number of every point within `radius` of `p`.
-    pub(crate) fn within(&self, p: DVec3, radius: f64, mut visit: impl FnMut(u32)) {
+    /// Calls `visit` with the number of every point within `radius` of `p`, as long as it wants more.
+    pub(crate) fn within(&self, p: DVec3, radius: f64, mut visit: impl FnMut(u32) -> bool) {
         let mut open = vec![(0, self.points.len())];
         while let Some((start, end)) = open.pop() {
             if start == end {
@@ -54,8 +54,8 @@ impl PointTree {
             }
             let middle = start + (end - start) / 2;
             let (q, axis) = (self.points[middle], self.axes[middle] as usize);
-            if difference(p, q) <= radius {
-                visit(self.ids[middle]);
+            if difference(p, q) <= radius && !visit(self.ids[middle]) {
+                return;
             }
             // Coordinates left of the middle are at most, right of it at least, that of the middle.
             if p[axis] - q[axis] <= radius {
@@ -109,7 +109,10 @@ mod tests {
         ) {
             let tree = PointTree::new(&points);
             let mut found = Vec::new();
-            tree.within(p, radius, |i| found.push(i));
+            tree.within(p, radius, |i| {
+                found.push(i);
+                true
+            });
             found.sort_unstable();
             let all = (0..points.len() as u32).filter(|&i| difference(points[i as usize], p) <= radius);
             prop_assert_eq!(found, all.collect::<Vec<_>>());

@@ -31,6 +31,9 @@ const STEPS_A_CORNER: u64 = 100;
 /// … and so many more.
 const STEPS_MORE: u64 = 30_000_000;
 
+/// What it costs to find, sort and file a vertex that another one may go to, in steps of the walk.
+const STEPS_A_CANDIDATE: u64 = 32;
+
 /// A vertex of the first shape and that of the second.
 type Pair = (u32, u32);
 
@@ -357,7 +360,7 @@ impl Matching {
     }
 
     /// Groups of `b` that group `g` may go to, the nearest first, each with the vertices its seed may go to.
-    fn candidates(&self, g: u32, search: &mut Search<'_>) -> Vec<(u32, Vec<u32>)> {
+    fn candidates(&self, g: u32, search: &mut Search<'_>) -> Result<Vec<(u32, Vec<u32>)>, Stop> {
         /// So many vertices of a colour are looked through one by one.
         const FEW: usize = 64;
         let (a, b) = (search.a, search.b);
@@ -370,9 +373,18 @@ impl Matching {
         } else {
             let p = a.positions[v as usize];
             let radius = search.tolerance.unwrap_or_else(|| search.tree.nearest(p).map_or(0.0, |(_, d)| 2.0 * d));
-            search.tree.within(p, radius, |i| near.push(b.used[i as usize]));
+            // Without a tolerance these are only the first to be tried, and a few will do.
+            let most = if search.tolerance.is_some() { usize::MAX } else { FEW };
+            let left = &mut search.left;
+            search.tree.within(p, radius, |i| {
+                near.push(b.used[i as usize]);
+                *left = left.saturating_sub(STEPS_A_CANDIDATE);
+                *left > 0 && near.len() < most
+            });
+            if search.left == 0 {
+                return Err(Stop::Budget);
+            }
         }
-        search.left = search.left.saturating_sub(near.len() as u64);
         near.retain(|&w| {
             let h = b.group[w as usize] as usize;
             b.colour[w as usize] == colour && self.hashes[1][h] == hash && search.may_move(v, w)
@@ -388,7 +400,7 @@ impl Matching {
             }
             groups[i].1.push(w);
         }
-        groups
+        Ok(groups)
     }
 
     /// Whether `g` can go to `h`, its seed to one of `seeds`.
@@ -421,7 +433,7 @@ impl Matching {
         let mut asked_by: HashMap<u32, u32> = HashMap::new();
         let mut queue = VecDeque::from([g]);
         while let Some(asking) = queue.pop_front() {
-            let near = self.candidates(asking, search);
+            let near = self.candidates(asking, search)?;
             // Free places first, so that nobody has to move; where positions do not count, nobody ever has to.
             let may_ask = search.tolerance.is_some();
             for want_free in [true, false] {

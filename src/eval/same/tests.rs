@@ -242,6 +242,21 @@ fn coinciding_vertices_do_not_confuse_the_map() {
 }
 
 #[test]
+fn a_heap_of_triangles_at_one_point_is_matched_without_trying_every_pair() {
+    // Every vertex may go to every other one, and every triangle too: the search within the tolerance drowns.
+    let k = 5_000;
+    let heap = |corner: &dyn Fn(u32, u32) -> u32| {
+        Mesh::from_triangles(vec![[0.0; 3]; 3 * k as usize], (0..k).map(|i| [corner(i, 0), corner(i, 1), corner(i, 2)]))
+    };
+    let (a, b) = (heap(&|i, c| 3 * i + c), heap(&|i, c| k * c + i));
+    assert_eq!(verdict(&a, &b, Some(0.0)), Verdict::Same);
+    assert_eq!(verdict(&a, &b, None), Verdict::Same);
+    let mut torn = b.clone();
+    torn.positions[7] = [1.0; 3];
+    assert_ne!(verdict(&a, &torn, Some(0.0)), Verdict::Same);
+}
+
+#[test]
 fn a_quad_against_its_two_triangles_is_the_same_and_unused_vertices_do_not_count() {
     let mut quad = Mesh::from_triangles(vec![[9.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], []);
     quad.faces.push(&[1, 2, 3, 4]);
