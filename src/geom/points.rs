@@ -67,18 +67,18 @@ impl PointTree {
         }
     }
 
-    /// The number of a nearest point and its distance; the least number of those at the same distance.
+    /// The number of a nearest point and its distance. Which of several at the same distance depends on the tree alone.
     pub(crate) fn nearest(&self, p: DVec3) -> Option<(u32, f64)> {
         let mut best = None::<(u32, f64)>;
         let mut open = vec![(0, self.points.len(), 0.0)];
         while let Some((start, end, gap)) = open.pop() {
-            if start == end || best.is_some_and(|(_, d)| gap > d) {
+            if start == end || best.is_some_and(|(_, d)| gap >= d) {
                 continue;
             }
             let middle = start + (end - start) / 2;
             let (q, axis, id) = (self.points[middle], self.axes[middle] as usize, self.ids[middle]);
             let d = difference(p, q);
-            if best.is_none_or(|(i, least)| d < least || (d == least && id < i)) {
+            if best.is_none_or(|(_, least)| d < least) {
                 best = Some((id, d));
             }
             let (left, right) = ((start, middle), (middle + 1, end));
@@ -116,10 +116,10 @@ mod tests {
             found.sort_unstable();
             let all = (0..points.len() as u32).filter(|&i| difference(points[i as usize], p) <= radius);
             prop_assert_eq!(found, all.collect::<Vec<_>>());
-            let nearest = (0..points.len() as u32)
-                .map(|i| (i, difference(points[i as usize], p)))
-                .min_by(|x, y| x.1.total_cmp(&y.1));
-            prop_assert_eq!(tree.nearest(p), nearest);
+            let least = points.iter().map(|&q| difference(p, q)).min_by(f64::total_cmp);
+            let nearest = tree.nearest(p);
+            prop_assert_eq!(nearest.map(|x| x.1), least);
+            prop_assert!(nearest.is_none_or(|(i, d)| difference(points[i as usize], p) == d));
         }
     }
 }
