@@ -161,3 +161,74 @@ pub(crate) fn hash(a: u32, b: u32) -> u32 {
     h = h.wrapping_mul(0x297A_2D39);
     h ^ h >> 15
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{BitReader, BitWriter};
+    use super::*;
+
+    /// The same in `f64`, written from the formulas at the top: chances, weights, and bits that never collide.
+    struct Twin {
+        weights: [f64; 3],
+        bits: std::collections::HashMap<(usize, u32), (f64, f64)>,
+        uses: f64,
+    }
+
+    impl Twin {
+        /// The bits that a decision costs.
+        fn code(&mut self, decision: bool, contexts: [u32; 2]) -> f64 {
+            let y = f64::from(u8::from(decision));
+            let mut inputs = [0.0, 0.0, 1.0];
+            for (i, &context) in contexts.iter().enumerate() {
+                if let Some(&(p, _)) = self.bits.get(&(i, context)) {
+                    inputs[i] = (p / (1.0 - p)).ln();
+                }
+            }
+            let dot: f64 = (0..3).map(|i| self.weights[i] * inputs[i]).sum();
+            let p = 1.0 / (1.0 + (-dot).exp());
+            let rate = 256.0 / f64::from(1 << 16) * (1.0 + 4.0 * 16.0 / (16.0 + self.uses.min(255.0)));
+            self.uses += 1.0;
+            for i in 0..3 {
+                self.weights[i] += rate * (y - p) * inputs[i];
+            }
+            for (i, &context) in contexts.iter().enumerate() {
+                let (p, count) = self.bits.entry((i, context)).or_insert((0.5, 0.0));
+                *p = (*p + (y - *p) / (*count + 1.6)).clamp(1.0 / 4096.0, 1.0 - 1.0 / 4096.0);
+                *count = (*count + 1.0).min(255.0);
+            }
+            -(if decision { p } else { 1.0 - p }).log2()
+        }
+    }
+
+    #[test]
+    fn it_codes_as_well_as_its_twin_in_f64_and_reads_what_it_wrote() {
+        let options = MixerOptions { lines_log2: 12, rate_shift: 6, count_limit: 255 };
+        let start = [Start::<2, 0>::even(40)];
+        let mut twin = Twin { weights: [0.4, 0.4, 0.0], bits: Default::default(), uses: 0.0 };
+        // A source that two contexts explain, one better than the other.
+        let mut state = 1_u32;
+        let source: Vec<(bool, [u32; 2])> = (0..20_000)
+            .map(|_| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let (a, b) = (state >> 28, state >> 24 & 3);
+                let chance = 6 * a + 20 * u32::from(b == 0);
+                ((state >> 8 & 127) < chance, [a, b])
+            })
+            .collect();
+        let (mut writer, mut mixer) = (BitWriter::default(), Mixer::new(options, &start));
+        let mut bits = 0.0;
+        for &(decision, contexts) in &source {
+            mixer.choose(contexts, 0);
+            mixer.code(&mut writer, decision, 0, []);
+            bits += twin.code(decision, contexts);
+        }
+        let bytes = writer.finish();
+        let ratio = 8.0 * bytes.len() as f64 / bits;
+        assert!((0.99..1.01).contains(&ratio), "{ratio} times the bits of the twin");
+        let (mut reader, mut mixer) = (BitReader::new(&bytes), Mixer::new(options, &start));
+        for &(decision, contexts) in &source {
+            mixer.choose(contexts, 0);
+            assert_eq!(mixer.code(&mut reader, false, 0, []), decision);
+        }
+    }
+}

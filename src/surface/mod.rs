@@ -11,6 +11,7 @@ mod order;
 mod original;
 mod plain;
 mod residual;
+mod stretch;
 mod topology;
 mod valence;
 mod walk;
@@ -153,12 +154,11 @@ impl<'a> Positions<'a> {
         task: Task<'_>,
     ) -> Result<()> {
         let Self { surface, outgoing, extent, .. } = self;
+        let stretch = stretch::Stretch { surface, outgoing, range, extent: *extent };
         match (&self.degrees, self.effort) {
-            (None, _) => plain::code(coder, surface, outgoing, range, *extent, positions, task),
-            (Some(degrees), Effort::Best) => {
-                learned::code_full(coder, surface, outgoing, degrees, range, *extent, positions, task)
-            }
-            (Some(degrees), _) => learned::code_lean(coder, surface, outgoing, degrees, range, *extent, positions, task),
+            (None, _) => plain::code(coder, stretch, positions, task),
+            (Some(degrees), Effort::Best) => learned::code_full(coder, stretch, degrees, positions, task),
+            (Some(degrees), _) => learned::code_lean(coder, stretch, degrees, positions, task),
         }
     }
 }

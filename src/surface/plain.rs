@@ -6,7 +6,8 @@
 
 use super::order::Order;
 use super::residual::Residuals;
-use super::topology::{Surface, turn};
+use super::stretch::Stretch;
+use super::topology::turn;
 use crate::entropy::{BitCoder, hash};
 use crate::error::{Error, Place, Result};
 use crate::mesh::half_edge::{next, prev};
@@ -32,26 +33,18 @@ struct Forecast {
     landmarks: Option<[[i32; 3]; 7]>,
 }
 
-/// Codes the positions of the vertices in `range`, in the order that [`Order`] finds.
+/// Codes the positions of a stretch of vertices, in the order that [`Order`] finds.
 ///
-/// `positions` holds them, from the first vertex of the range on: a writer's are read, a reader's
-/// are filled in. Coordinate `axis` lies in `0..=extent[axis]`.
-pub(super) fn code<C: BitCoder>(
-    coder: &mut C,
-    surface: &Surface,
-    outgoing: &[u32],
-    range: std::ops::Range<u32>,
-    extent: [i32; 3],
-    positions: &mut [[i32; 3]],
-    task: Task<'_>,
-) -> Result<()> {
+/// `positions` holds them, from the first vertex of the stretch on: a writer's are read, a reader's are filled in.
+pub(super) fn code<C: BitCoder>(coder: &mut C, stretch: Stretch<'_>, positions: &mut [[i32; 3]], task: Task<'_>) -> Result<()> {
+    let Stretch { range, extent, .. } = stretch.clone();
     let first = range.start;
     let mut residuals = Residuals::<CONTEXTS>::new(range.len());
     let mut errors = vec![0_u32; range.len()];
-    let mut order = Order::new(surface, outgoing, range);
+    let mut order = Order::new(stretch.surface, stretch.outgoing, range);
     let mut count = 0_usize;
     while let Some(v) = order.next() {
-        let forecast = forecast(surface, outgoing, &order, positions, &errors, first, extent, v);
+        let forecast = forecast(&stretch, &order, positions, &errors, v);
         let i = (v - first) as usize;
         let mut total = 0_u32;
         for axis in 0..3 {
@@ -80,17 +73,9 @@ pub(super) fn code<C: BitCoder>(
     Ok(())
 }
 
-#[allow(clippy::too_many_arguments)]
-fn forecast(
-    surface: &Surface,
-    outgoing: &[u32],
-    order: &Order<'_>,
-    positions: &[[i32; 3]],
-    errors: &[u32],
-    first: u32,
-    extent: [i32; 3],
-    v: u32,
-) -> Forecast {
+fn forecast(stretch: &Stretch<'_>, order: &Order<'_>, positions: &[[i32; 3]], errors: &[u32], v: u32) -> Forecast {
+    let Stretch { surface, outgoing, extent, .. } = stretch;
+    let first = stretch.range.start;
     let at = |v: u32| positions[(v - first) as usize];
     let (mut gates, mut sum) = (0_i64, [0_i64; 3]);
     let (mut ring, mut error_sum, mut beside) = (0_u32, 0_u64, None);

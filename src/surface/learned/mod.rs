@@ -35,6 +35,7 @@ use self::scale::{Expected, Scale};
 use self::trained::Start;
 use self::vector::Vector;
 use super::order::Order;
+use super::stretch::Stretch;
 use super::topology::Surface;
 use crate::entropy::BitCoder;
 use crate::error::{Error, Place, Result};
@@ -207,57 +208,46 @@ struct Forecast {
     scale: [f64; 2],
 }
 
-/// Codes the positions of a range for effort `default`; see [`plain::code`](super::plain::code).
-#[allow(clippy::too_many_arguments)]
+/// Codes the positions of a stretch for effort `default`; see [`plain::code`](super::plain::code).
 pub(super) fn code_lean<C: BitCoder>(
     coder: &mut C,
-    surface: &Surface,
-    outgoing: &[u32],
+    stretch: Stretch<'_>,
     degrees: &Degrees,
-    range: std::ops::Range<u32>,
-    extent: [i32; 3],
     positions: &mut [[i32; 3]],
     task: Task<'_>,
 ) -> Result<()> {
-    code::<C, _, 12, _, _>(coder, surface, outgoing, degrees, range, extent, positions, &trained::LEAN, task)
+    code::<C, _, 12, _, _>(coder, stretch, degrees, positions, &trained::LEAN, task)
 }
 
 /// The same for effort `best`.
-#[allow(clippy::too_many_arguments)]
 pub(super) fn code_full<C: BitCoder>(
     coder: &mut C,
-    surface: &Surface,
-    outgoing: &[u32],
+    stretch: Stretch<'_>,
     degrees: &Degrees,
-    range: std::ops::Range<u32>,
-    extent: [i32; 3],
     positions: &mut [[i32; 3]],
     task: Task<'_>,
 ) -> Result<()> {
-    code::<C, _, 20, _, _>(coder, surface, outgoing, degrees, range, extent, positions, &trained::ALL, task)
+    code::<C, _, 20, _, _>(coder, stretch, degrees, positions, &trained::ALL, task)
 }
 
-#[allow(clippy::too_many_arguments)]
 fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: usize>(
     coder: &mut C,
-    surface: &Surface,
-    outgoing: &[u32],
+    stretch: Stretch<'_>,
     degrees: &Degrees,
-    range: std::ops::Range<u32>,
-    extent: [i32; 3],
     positions: &mut [[i32; 3]],
     start: &Start<F, N, E>,
     task: Task<'_>,
 ) -> Result<()> {
-    let first = range.start;
-    let real = || positions.iter().zip(&surface.is_hole[first as usize..]).filter(|(_, hole)| !**hole).map(|(p, _)| *p);
-    let mut values = [0, 1, 2].map(|axis| Values::code(coder, extent[axis], real().map(|p| p[axis])));
+    let first = stretch.range.start;
+    let holes = &stretch.surface.is_hole[first as usize..];
+    let real = || positions.iter().zip(holes).filter(|(_, hole)| !**hole).map(|(p, _)| *p);
+    let mut values = [0, 1, 2].map(|axis| Values::code(coder, stretch.extent[axis], real().map(|p| p[axis])));
     let damaged = |what: String| Error::malformed(Place::Whole, format!("positions: {what}"));
     let [Some(x), Some(y), Some(z)] = values.each_mut().map(Option::take) else {
         return Err(damaged("a palette that does not fit the box".into()));
     };
     let values = [x, y, z];
-    let mut this = Coder::<F, L, N, E>::new(surface, outgoing, degrees, range, extent, values, start);
+    let mut this = Coder::<F, L, N, E>::new(stretch, degrees, values, start);
     let mut count = 0_usize;
     while let Some(v) = this.scene.order.next() {
         let i = (v - first) as usize;
@@ -280,15 +270,8 @@ fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: us
 }
 
 impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'a, F, L, N, E> {
-    fn new(
-        surface: &'a Surface,
-        outgoing: &'a [u32],
-        degrees: &'a Degrees,
-        range: std::ops::Range<u32>,
-        extent: [i32; 3],
-        values: [Values; 3],
-        start: &Start<F, N, E>,
-    ) -> Self {
+    fn new(stretch: Stretch<'a>, degrees: &'a Degrees, values: [Values; 3], start: &Start<F, N, E>) -> Self {
+        let Stretch { surface, outgoing, range, extent } = stretch;
         let len = range.len();
         Self {
             sums: Sums::new(&range),
