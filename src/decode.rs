@@ -3,7 +3,8 @@
 //! Opening a file reads its header and checks its chunks; nothing large is made before [`Decoder::decode`].
 
 use crate::error::{Error, Place, Result};
-use crate::format::{Chunks, Header, LatticeForm, SurfaceChunk};
+use crate::format::{Chunks, Header, LatticeForm, MbcimChunk, RecipeChunk, SurfaceChunk};
+use crate::images;
 use crate::limits::{Budget, Limits};
 use crate::mesh::{Mesh, Scalar};
 use crate::surface::{self, Census, Effort};
@@ -13,9 +14,18 @@ use crate::task::Task;
 #[derive(Debug)]
 pub struct Decoder<'a> {
     header: Header,
-    surface: SurfaceChunk<'a>,
+    body: Body<'a>,
+    #[cfg_attr(not(feature = "png"), allow(dead_code))]
+    recipe: Option<RecipeChunk>,
     limits: Limits,
     info: Info,
+}
+
+/// What the codec of a file needs.
+#[derive(Debug)]
+enum Body<'a> {
+    Surface(SurfaceChunk<'a>),
+    Mbcim { chunk: MbcimChunk<'a>, stages: Vec<&'a [u8]> },
 }
 
 /// What a file says of itself before it is decoded.
@@ -50,6 +60,12 @@ pub struct Info {
     pub chunks: Vec<ChunkInfo>,
     /// The bytes by what they are for; they add up to the size of the file.
     pub parts: Vec<(&'static str, u64)>,
+    /// Rows and columns of the image of vertices, if the file says how to make one.
+    pub image: Option<[u32; 2]>,
+    /// Bits that each stage after the first adds to every coordinate; one entry a stage.
+    pub stages: Vec<u8>,
+    /// How many of the stages the file still has.
+    pub stages_present: usize,
     /// Bytes of memory that decoding takes at most.
     pub memory: u64,
     /// Steps of work that decoding takes, as far as the header tells.
@@ -81,24 +97,39 @@ impl<'a> Decoder<'a> {
     /// As [`Decoder::new`], and [`Error::Limit`].
     pub fn with_limits(bytes: &'a [u8], limits: Limits) -> Result<Self> {
         let chunks = Chunks::read(bytes)?;
-        chunks.check_known(&[Header::TAG, SurfaceChunk::TAG])?;
+        chunks.check_known(&[Header::TAG, SurfaceChunk::TAG, MbcimChunk::TAG])?;
         let header = Header::read(chunks.one(Header::TAG)?.reader())?;
-        if header.codec != Header::SURFACE {
-            return Err(Error::Unsupported { what: "codec", id: header.codec.to_string() });
-        }
-        let chunk = chunks.one(SurfaceChunk::TAG)?;
-        let surface = SurfaceChunk::read(chunk.reader())?;
-        if header.vertices.checked_add(surface.holes).is_none() {
-            let why = format!("{} vertices and {} holes do not fit 32 bits", header.vertices, surface.holes);
-            return Err(Error::malformed(Place::Whole, why));
-        }
-        let info = Info::new(bytes, &chunks, &header, &surface)?;
-        Ok(Self { header, surface, limits, info })
+        let body = match header.codec {
+            Header::SURFACE => {
+                let surface = SurfaceChunk::read(chunks.one(SurfaceChunk::TAG)?.reader())?;
+                if header.vertices.checked_add(surface.holes).is_none() {
+                    let why = format!("{} vertices and {} holes do not fit 32 bits", header.vertices, surface.holes);
+                    return Err(Error::malformed(Place::Whole, why));
+                }
+                Body::Surface(surface)
+            }
+            Header::MBCIM => {
+                let chunk = MbcimChunk::read(chunks.one(MbcimChunk::TAG)?.reader(), &mut Budget::new(limits))?;
+                let stages = chunks.iter().filter(|chunk| chunk.tag == MbcimChunk::STAGE).map(|chunk| chunk.payload);
+                Body::Mbcim { chunk, stages: stages.collect() }
+            }
+            other => return Err(Error::Unsupported { what: "codec", id: other.to_string() }),
+        };
+        let recipe = chunks.iter().find(|chunk| chunk.tag == RecipeChunk::TAG);
+        let recipe = recipe.map(|chunk| RecipeChunk::read(chunk.reader())).transpose()?;
+        let info = Info::new(bytes, &chunks, &header, &body, recipe.as_ref())?;
+        Ok(Self { header, body, recipe, limits, info })
     }
 
     /// What the file says of itself.
     pub fn info(&self) -> &Info {
         &self.info
+    }
+
+    /// How the image of the mesh can be made again, if the file says so.
+    #[cfg(feature = "png")]
+    pub(crate) fn recipe(&self) -> Option<&RecipeChunk> {
+        self.recipe.as_ref()
     }
 
     /// Decodes the mesh.
@@ -118,11 +149,19 @@ impl<'a> Decoder<'a> {
         let mut budget = Budget::new(self.limits);
         let header = &self.header;
         budget.check_vertices(header.vertices.into())?;
-        let census = census(header, &self.surface);
-        let streams = self.surface.positions(surface::ranges(census).len())?;
-        let (surface, positions) =
-            surface::read(self.surface.connectivity, &streams, census, header.extent, self.info.effort, &mut budget, task)?;
-        let triangles = surface.real_triangles();
+        let (triangles, positions) = match &self.body {
+            Body::Surface(chunk) => {
+                let census = census(header, chunk);
+                let streams = chunk.positions(surface::ranges(census).len())?;
+                let (surface, positions) =
+                    surface::read(chunk.connectivity, &streams, census, header.extent, self.info.effort, &mut budget, task)?;
+                (surface.real_triangles(), positions)
+            }
+            Body::Mbcim { chunk, stages } => {
+                let decoded = images::read_mbcim(chunk, stages, header.vertices, header.extent, &mut budget, task)?;
+                (decoded.triangles, decoded.positions)
+            }
+        };
         if triangles.len() != header.faces as usize {
             let why = format!("{} faces were decoded, the header says {}", triangles.len(), header.faces);
             return Err(Error::malformed(Place::Whole, why));
@@ -140,24 +179,36 @@ fn census(header: &Header, surface: &SurfaceChunk<'_>) -> Census {
 }
 
 impl Info {
-    fn new(bytes: &[u8], chunks: &Chunks<'_>, header: &Header, surface: &SurfaceChunk<'_>) -> Result<Self> {
-        let effort = match surface.effort {
-            0 => Effort::Fast,
-            1 => Effort::Default,
-            2 => Effort::Best,
-            other => return Err(Error::Unsupported { what: "effort", id: other.to_string() }),
-        };
+    fn new(bytes: &[u8], chunks: &Chunks<'_>, header: &Header, body: &Body<'_>, recipe: Option<&RecipeChunk>) -> Result<Self> {
         let lattice = header.lattice.lattice();
         let bits = if let LatticeForm::Box { bits, .. } = header.lattice { Some(bits) } else { None };
-        let connectivity = surface.connectivity.len() as u64;
-        let positions = surface.positions_size();
+        let (codec, effort, connectivity, positions, cost) = match body {
+            Body::Surface(chunk) => {
+                let effort = match chunk.effort {
+                    0 => Effort::Fast,
+                    1 => Effort::Default,
+                    2 => Effort::Best,
+                    other => return Err(Error::Unsupported { what: "effort", id: other.to_string() }),
+                };
+                let connectivity = chunk.connectivity.len() as u64;
+                ("surface", effort, connectivity, chunk.positions_size(), surface::cost(census(header, chunk)))
+            }
+            Body::Mbcim { chunk, stages } => {
+                let positions = chunk.colours.len() + stages.iter().map(|stage| stage.len()).sum::<usize>();
+                let connectivity = chunk.map.len() + chunk.side_size;
+                ("mbcim", Effort::Default, connectivity as u64, positions as u64, images::cost(header.vertices, header.faces))
+            }
+        };
+        let (stages, stages_present) = match body {
+            Body::Mbcim { chunk, stages } => (chunk.stages.clone(), stages.len().min(chunk.stages.len())),
+            Body::Surface(_) => (Vec::new(), 0),
+        };
         let header_size = bytes.len() as u64 - connectivity - positions;
         let parts = vec![("header", header_size), ("connectivity", connectivity), ("positions", positions)];
-        let cost = surface::cost(census(header, surface));
         Ok(Self {
             version: crate::format::VERSION,
             method: "cgim",
-            codec: "surface",
+            codec,
             effort,
             vertices: header.vertices,
             faces: header.faces,
@@ -172,6 +223,9 @@ impl Info {
                 .map(|chunk| ChunkInfo { tag: chunk.tag.escape_ascii().to_string(), bytes: chunk.size })
                 .collect(),
             parts,
+            image: recipe.map(|chunk| [chunk.rows, chunk.columns]),
+            stages,
+            stages_present,
             memory: cost.0,
             work: cost.1,
         })

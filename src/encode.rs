@@ -2,13 +2,15 @@
 //!
 //! Mesh → half-edges → filled surface → lattice → streams → chunks.
 
+use crate::cgim::{Contact, Search};
 use crate::decode::{Decoder, Info};
 use crate::error::{Error, MeshDefect, Result};
 use crate::format::{ChunkWriter, Header, LatticeForm, MAX_EXTENT, SurfaceChunk};
+use crate::images;
 use crate::mesh::{HalfEdges, Mesh, Scalar};
-use crate::options::{Accuracy, EncodeOptions};
+use crate::options::{Accuracy, Codec, EncodeOptions};
 use crate::plane::{Lattice, bounding_box};
-use crate::surface::{self, Filled};
+use crate::surface::{self, Effort, Filled};
 use crate::task::Task;
 
 /// A file, what it says of itself, and what was left out of it.
@@ -50,8 +52,12 @@ impl EncodeOptions {
         let faces = triangles.len() as u32;
         let half_edges = HalfEdges::new(mesh.positions.len(), triangles)?;
         let filled = Filled::new(&half_edges);
+        let codec = match self.codec {
+            Codec::Surface => Header::SURFACE,
+            Codec::Mbcim => Header::MBCIM,
+        };
         let draft = Header {
-            codec: Header::SURFACE,
+            codec,
             double: mesh.precision == Scalar::F64,
             vertices: filled.census.vertices,
             faces,
@@ -61,18 +67,38 @@ impl EncodeOptions {
             bound: 0.0,
         };
         let (header, positions) = place(self.accuracy, draft, mesh, &half_edges)?;
-        let streams = surface::write(&filled, &positions, header.extent, self.effort, task)?;
-
-        let census = [filled.census.holes, filled.census.components, filled.census.handles];
         let mut writer = ChunkWriter::new();
         writer.chunk(Header::TAG, &header.write());
-        writer.chunk(
-            SurfaceChunk::TAG,
-            &SurfaceChunk::write(self.effort as u8, census, &streams.connectivity, &streams.positions),
-        );
+        match self.codec {
+            Codec::Surface => {
+                let streams = surface::write(&filled, &positions, header.extent, self.effort, task)?;
+                let census = [filled.census.holes, filled.census.components, filled.census.handles];
+                writer.chunk(
+                    SurfaceChunk::TAG,
+                    &SurfaceChunk::write(self.effort as u8, census, &streams.connectivity, &streams.positions),
+                );
+            }
+            Codec::Mbcim => {
+                let streams = images::write_mbcim(&half_edges, &positions, header.extent, &self.image_options(), task)?;
+                streams.chunks.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
+            }
+        }
         let bytes = writer.into_bytes();
         let info = Decoder::new(&bytes)?.info().clone();
         Ok(Encoded { info, bytes, notes: notes(mesh, filled.census.vertices as usize) })
+    }
+}
+
+impl EncodeOptions {
+    fn image_options(&self) -> images::ImageOptions<'_> {
+        let sweeps = match self.effort {
+            Effort::Fast => 1,
+            Effort::Default => 4,
+            Effort::Best => 24,
+        };
+        let choices = &self.image;
+        let search = Search { trials: choices.search, seed: choices.seed, alpha: choices.alpha, contact: Contact::Slash };
+        images::ImageOptions { sweeps, search, stages: &choices.stages }
     }
 }
 

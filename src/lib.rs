@@ -21,13 +21,14 @@
 //!
 //! ```text
 //!  6  main.rs  cli                      talks: flags, stderr, exit codes. Computes nothing.
-//!  5  eval                              every measure, the same-connectivity question, reports
-//!  4  encode  decode  options           the two doors; the only files that see both wings
+//!  5  eval  picture                     every measure, the same-connectivity question, reports
+//!  4  encode  decode  options  images   the two doors; the only files that see both wings
 //!     ─────────────────────────────┬──────────────────────────────────────────────
 //!       SURFACE WING               │            BYTE WING
 //!       (never sees a byte)        │            (never sees a triangle)
 //!  3  surface ── names both ───────┼─────────── mesh and entropy
-//!  2  mesh  distance               │   format   codec   entropy
+//!     cgim                         │   format
+//!  2  mesh  distance               │   codec  entropy
 //!     ─────────────────────────────┴──────────────────────────────────────────────
 //!  1  plane                             the hall: lattice, planes
 //!  0  geom                         │   bits
@@ -35,6 +36,7 @@
 //! ```
 
 mod bits;
+mod cgim;
 #[allow(dead_code, unused_imports)] // until both doors use all of it
 mod codec;
 mod decode;
@@ -46,11 +48,14 @@ mod error;
 pub mod eval;
 mod format;
 mod geom;
+mod images;
 mod limits;
 mod mesh;
 #[cfg(feature = "encode")]
 mod options;
 mod par;
+#[cfg(all(feature = "png", feature = "encode"))]
+pub mod picture;
 #[allow(dead_code, unused_imports)] // until both wings use all of it
 mod plane;
 mod surface;
@@ -63,7 +68,7 @@ pub use error::{Error, MeshDefect, Place, Result};
 pub use limits::Limits;
 pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Label, LabelKind, Loaded, Mesh, Places, Scalar};
 #[cfg(feature = "encode")]
-pub use options::{Accuracy, EncodeOptions};
+pub use options::{Accuracy, Codec, EncodeOptions, ImageChoices};
 pub use par::with_threads;
 pub use plane::Lattice;
 pub use surface::Effort;

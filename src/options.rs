@@ -18,6 +18,41 @@ pub struct EncodeOptions {
     pub accuracy: Accuracy,
     /// Time for size. Default: [`Effort::Default`].
     pub effort: Effort,
+    /// How the mesh becomes bytes. Default: [`Codec::Surface`].
+    pub codec: Codec,
+    /// Images of vertices: how small, and in which stages.
+    pub image: ImageChoices,
+}
+
+/// How a mesh becomes bytes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Codec {
+    /// By a walk over the surface: the smallest files.
+    #[default]
+    Surface,
+    /// As index map and base colours of an image of vertices.
+    Mbcim,
+}
+
+/// What may be chosen for images of vertices (V-matrices).
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ImageChoices {
+    /// Trials for an image of few pixels; 1 (the default) takes the first.
+    pub search: usize,
+    /// Where the search starts.
+    pub seed: u64,
+    /// Algorithm 2's α, 0 for none; `None` (the default) is 5 for the first trial, and searched for by the others.
+    pub alpha: Option<u8>,
+    /// Bits that each stage after the first adds to every coordinate; empty (the default) for one stage.
+    pub stages: Vec<u8>,
+}
+
+impl Default for ImageChoices {
+    fn default() -> Self {
+        Self { search: 1, seed: 1, alpha: None, stages: Vec::new() }
+    }
 }
 
 /// How exact positions are kept.
@@ -39,7 +74,12 @@ pub enum Accuracy {
 impl EncodeOptions {
     /// Keeps the connectivity exactly (method `cgim`), with 12 bits a coordinate.
     pub fn cgim() -> Self {
-        Self { accuracy: Accuracy::Bits(12), effort: Effort::default() }
+        Self {
+            accuracy: Accuracy::Bits(12),
+            effort: Effort::default(),
+            codec: Codec::default(),
+            image: ImageChoices::default(),
+        }
     }
 
     /// The same with 2^`bits` lattice points on the longest side of the box.
@@ -79,6 +119,18 @@ impl EncodeOptions {
         self
     }
 
+    /// The same with another codec.
+    pub fn codec(mut self, codec: Codec) -> Self {
+        self.codec = codec;
+        self
+    }
+
+    /// The same with another choice for images of vertices.
+    pub fn image(mut self, image: ImageChoices) -> Self {
+        self.image = image;
+        self
+    }
+
     /// Refuses values that mean nothing.
     pub(crate) fn check(&self) -> Result<()> {
         let positive = |what: &str, x: f64| {
@@ -88,6 +140,7 @@ impl EncodeOptions {
                 Err(Error::Parameter(format!("{what} must be a positive number, found {x}")))
             }
         };
+        self.image.check()?;
         match self.accuracy {
             Accuracy::Bits(bits) if !(1..=crate::format::MAX_BITS).contains(&bits) => {
                 Err(Error::Parameter(format!("bits must be 1 to {}, found {bits}", crate::format::MAX_BITS)))
@@ -102,6 +155,25 @@ impl EncodeOptions {
                     None => Ok(()),
                 }
             }
+        }
+    }
+}
+
+impl ImageChoices {
+    fn check(&self) -> Result<()> {
+        let bits: u32 = self.stages.iter().map(|&b| u32::from(b)).sum();
+        if self.stages.contains(&0) || bits > crate::format::MAX_BITS {
+            return Err(Error::Parameter(format!(
+                "stages of {:?} bits; each has at least 1, all together at most {}",
+                self.stages,
+                crate::format::MAX_BITS
+            )));
+        }
+        match self.alpha {
+            Some(alpha) if alpha > crate::cgim::Recipe::MAX_ALPHA => {
+                Err(Error::Parameter(format!("alpha must be 0 to {}, found {alpha}", crate::cgim::Recipe::MAX_ALPHA)))
+            }
+            _ => Ok(()),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Planes to bytes and back: one codec a way, known by four characters.
 
 pub(crate) mod j2k;
+pub(crate) mod mbcim;
 
 use crate::error::Result;
 use crate::limits::Budget;

@@ -69,6 +69,8 @@ impl Header {
     pub(crate) const TAG: [u8; 4] = *b"HEAD";
     /// The codec `surface`.
     pub(crate) const SURFACE: u8 = 0;
+    /// The codec `mbcim`.
+    pub(crate) const MBCIM: u8 = 1;
 
     #[cfg(feature = "encode")]
     pub(crate) fn write(&self) -> Vec<u8> {

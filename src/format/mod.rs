@@ -5,10 +5,15 @@
 
 mod chunk;
 mod header;
+mod mbcim;
+mod recipe;
+mod side;
 mod surface;
 
 #[cfg(feature = "encode")]
 pub(crate) use chunk::ChunkWriter;
 pub(crate) use chunk::{Chunks, VERSION};
 pub(crate) use header::{Header, LatticeForm, MAX_BITS, MAX_EXTENT};
+pub(crate) use mbcim::MbcimChunk;
+pub(crate) use recipe::RecipeChunk;
 pub(crate) use surface::SurfaceChunk;

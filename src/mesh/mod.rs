@@ -1,17 +1,25 @@
 //! Meshes: what users hold, how the triangles hang together, and the files they come from.
 
 mod attribute;
+mod boundary;
 mod corners;
+mod cut;
 pub(crate) mod half_edge;
 pub(crate) mod io;
+#[cfg(feature = "png")]
+mod normals;
 mod polygon_mesh;
 mod topology;
 mod union;
 
 pub use attribute::{Attribute, AttributeKind, Domain, Label, LabelKind, Scalar};
+pub(crate) use boundary::{boundary_loops, close};
 pub(crate) use corners::Corners;
-pub(crate) use half_edge::{HalfEdges, NONE};
+pub(crate) use cut::{CutGraph, Paths, part};
+pub(crate) use half_edge::{HalfEdges, NONE, next, prev};
 pub use io::{Format, Loaded};
+#[cfg(feature = "png")]
+pub(crate) use normals::vertex_normals;
 pub use polygon_mesh::{Faces, Mesh};
 pub use topology::{Inspection, Places};
 pub(crate) use union::Union;

@@ -4,16 +4,22 @@
 //! what the other does with them: a sample is an unsigned integer of a stated depth, and what it means (a coordinate
 //! on a lattice, a normal's angle, an index) is said elsewhere.
 
+mod level;
 mod mask;
 #[cfg(feature = "png")]
 mod png;
 mod quantise;
+mod side;
 
+pub(crate) use level::{Levels, Step};
 pub(crate) use mask::Mask;
+#[cfg(all(test, feature = "png"))]
+pub(crate) use png::read_rgb;
 #[cfg(feature = "png")]
 pub(crate) use png::{read_mask, write_png};
 pub use quantise::Lattice;
 pub(crate) use quantise::bounding_box;
+pub(crate) use side::{Block, Seam, SideInformation};
 
 use crate::error::{Error, Result};
 

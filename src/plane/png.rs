@@ -54,6 +54,13 @@ pub(crate) fn read_mask(png: &[u8], budget: &mut Budget) -> Result<Mask> {
     Mask::from_bits(shape, picture.pixels().map(|p| p.0[0] > 0 && p.0[1] > 0))
 }
 
+/// The pixels of a picture, for tests that look at one.
+#[cfg(test)]
+pub(crate) fn read_rgb(png: &[u8]) -> Vec<[u8; 3]> {
+    let decoder = PngDecoder::new(Cursor::new(png)).expect("a PNG picture");
+    DynamicImage::from_decoder(decoder).expect("a whole picture").into_rgb8().pixels().map(|p| p.0).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::Plane;

@@ -48,10 +48,12 @@ const ROOMS: &[(&str, u32, Wing)] = &[
     ("surface", 30, Both),
     // 4: the doors; the options and what both doors say lie a step below the doors themselves.
     ("options", 40, Both),
+    ("images", 40, Both),
     ("decode", 41, Both),
     ("encode", 42, Both),
     // 5, 6
     ("eval", 50, Both),
+    ("picture", 50, Both),
     ("cli", 60, Both),
     ("main", 61, Both),
     ("lib", 62, Both),

@@ -6,6 +6,7 @@ mod cli;
 mod conformance;
 mod corpus;
 mod determinism;
+mod images;
 mod inspect;
 mod io;
 mod layers;
