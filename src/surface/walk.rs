@@ -82,8 +82,16 @@ pub(super) struct Node {
 
 const DEAD: u32 = u32::MAX;
 
-/// Deals out the memory a walk needs; bytes a vertex of the closed surface.
-pub(super) const BYTES_A_VERTEX: u64 = 2 * (12 + 12) + 5 + 28 + 24;
+/// Bytes of a face and its half-edges.
+const BYTES_A_FACE: u64 = 12 + 12;
+/// Bytes of a vertex of the closed surface, with two faces.
+pub(super) const BYTES_A_VERTEX: u64 = 2 * BYTES_A_FACE + 5 + 28 + 24;
+
+/// The memory that a walk needs. Handles make faces that no vertex has paid for.
+fn memory(census: Census) -> u64 {
+    let vertices = u64::from(census.vertices) + u64::from(census.holes);
+    vertices * BYTES_A_VERTEX + census.closed_faces().saturating_sub(2 * vertices) * BYTES_A_FACE
+}
 
 /// Contexts of [`Walk::numbers`]: ranks forward and backward, shares by how much is to be shared, valences at holes.
 const SHARE_CONTEXT: usize = 2;
@@ -129,7 +137,11 @@ pub(super) fn walk<C: BitCoder, G: Guide>(
 ) -> Result<Surface> {
     let vertices = u64::from(census.vertices) + u64::from(census.holes);
     budget.check_vertices(vertices)?;
-    budget.reserve(vertices.saturating_mul(BYTES_A_VERTEX))?;
+    budget.reserve(memory(census))?;
+    if 3 * census.closed_faces() > u64::from(u32::MAX) {
+        let why = format!("connectivity: {} faces are more than half-edges can be numbered for", census.closed_faces());
+        return Err(Error::malformed(Place::Whole, why));
+    }
     let mut walk = Walk {
         coder,
         guide,
@@ -159,8 +171,8 @@ pub(super) fn walk<C: BitCoder, G: Guide>(
             }
         }
     }
-    if walk.vertices_left > 0 || walk.holes_left > 0 || walk.handles_left > 0 {
-        return Err(walk.error("the walk ended before all vertices, holes and handles were met"));
+    if walk.vertices_left > 0 || walk.holes_left > 0 || walk.handles_left > 0 || walk.corners_left > 0 {
+        return Err(walk.error("the walk ended before all vertices, holes, handles and faces were met"));
     }
     Ok(walk.surface)
 }
@@ -496,11 +508,17 @@ impl<C: BitCoder, G: Guide> Walk<'_, C, G> {
     }
 
     /// The node that [`Walk::find`] described.
+    ///
+    /// The longer way is refused: it would cost a hostile stream little and a reader the square of the vertices.
     fn at_rank(&mut self, g: u32, backward: bool, mut rank: u32) -> Result<u32> {
         let gate = self.nodes[g as usize];
         let step = |node: Node| if backward { node.before } else { node.after };
-        let first = if backward { gate.before } else { self.nodes[gate.after as usize].after };
+        let back = |node: Node| if backward { node.after } else { node.before };
+        let (p, n) = (gate.before, self.nodes[gate.after as usize].after);
+        let (first, last) = if backward { (p, n) } else { (n, p) };
         let mut node = step(self.nodes[first as usize]);
+        // As far from the other end of the loop as `node` is from this one.
+        let mut mirror = back(self.nodes[last as usize]);
         loop {
             self.budget.spend(1)?;
             if node == g || node == gate.after {
@@ -512,7 +530,12 @@ impl<C: BitCoder, G: Guide> Walk<'_, C, G> {
                 }
                 rank -= 1;
             }
-            node = step(self.nodes[node as usize]);
+            let next = step(self.nodes[node as usize]);
+            if node == mirror || next == mirror {
+                return Err(self.error("a split at a node that is nearer the other way round"));
+            }
+            node = next;
+            mirror = back(self.nodes[mirror as usize]);
         }
     }
 }

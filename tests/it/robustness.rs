@@ -149,3 +149,19 @@ fn a_cancelled_task_stops_both_ways() {
     let file = EncodeOptions::cgim().encode(&mesh).unwrap();
     assert!(matches!(Decoder::new(&file).unwrap().decode_with(task), Err(Error::Cancelled)));
 }
+
+#[test]
+fn handles_that_would_need_more_memory_than_allowed_are_refused_before_the_walk() {
+    let shape = corpus_make::sphere(80);
+    let mesh = Mesh::from_triangles(shape.positions, shape.triangles);
+    let file = EncodeOptions::cgim().bits(8).effort(Effort::Fast).encode(&mesh).unwrap();
+    for handles in [1_u32 << 28, u32::MAX] {
+        let changed = trials::seal::changed(&file, |chunks| {
+            // Effort, holes, components, handles: the last three are one byte each.
+            let varint = (0..5).map(|i| (handles >> (7 * i)) as u8 & 0x7f | if i < 4 { 0x80 } else { 0 });
+            chunks[1].1.splice(3..4, varint);
+        });
+        let refused = Decoder::new(&changed).unwrap().decode();
+        assert!(matches!(refused, Err(Error::Limit { which: "memory", .. })), "{handles} handles: {refused:?}");
+    }
+}
