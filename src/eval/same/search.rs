@@ -374,11 +374,11 @@ impl Matching {
             let p = a.positions[v as usize];
             let radius = search.tolerance.unwrap_or_else(|| search.tree.nearest(p).map_or(0.0, |(_, d)| 2.0 * d));
             // Without a tolerance these are only the first to be tried, and a few will do.
-            let most = if search.tolerance.is_some() { usize::MAX } else { FEW };
+            let (most, cost) = if search.tolerance.is_some() { (usize::MAX, STEPS_A_CANDIDATE) } else { (FEW, 1) };
             let left = &mut search.left;
             search.tree.within(p, radius, |i| {
                 near.push(b.used[i as usize]);
-                *left = left.saturating_sub(STEPS_A_CANDIDATE);
+                *left = left.saturating_sub(cost);
                 *left > 0 && near.len() < most
             });
             if search.left == 0 {

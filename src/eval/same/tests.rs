@@ -244,7 +244,7 @@ fn coinciding_vertices_do_not_confuse_the_map() {
 #[test]
 fn a_heap_of_triangles_at_one_point_is_matched_without_trying_every_pair() {
     // Every vertex may go to every other one, and every triangle too: the search within the tolerance drowns.
-    let k = 5_000;
+    let k = 20_000;
     let heap = |corner: &dyn Fn(u32, u32) -> u32| {
         Mesh::from_triangles(vec![[0.0; 3]; 3 * k as usize], (0..k).map(|i| [corner(i, 0), corner(i, 1), corner(i, 2)]))
     };
