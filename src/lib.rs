@@ -35,7 +35,9 @@
 //!     error  limits  task  par          the ground: imports nothing above
 //! ```
 
+#[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod bits;
+#[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod cgim;
 #[allow(dead_code, unused_imports)] // until both doors use all of it
 mod codec;
@@ -43,13 +45,17 @@ mod decode;
 mod distance;
 #[cfg(feature = "encode")]
 mod encode;
+#[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod entropy;
 mod error;
 pub mod eval;
+#[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod format;
 mod geom;
+#[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod images;
 mod limits;
+#[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod mesh;
 #[cfg(feature = "encode")]
 mod options;
@@ -58,6 +64,7 @@ mod par;
 pub mod picture;
 #[allow(dead_code, unused_imports)] // until both wings use all of it
 mod plane;
+#[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod surface;
 mod task;
 
