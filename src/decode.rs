@@ -2,8 +2,11 @@
 //!
 //! Opening a file reads its header and checks its chunks; nothing large is made before [`Decoder::decode`].
 
+#[cfg(feature = "exr")]
+use crate::codec::Exr;
+use crate::codec::{PlaneCodec, Raw};
 use crate::error::{Error, Place, Result};
-use crate::format::{Chunks, Header, LatticeForm, MbcimChunk, RecipeChunk, SurfaceChunk};
+use crate::format::{Chunks, Header, LatticeForm, MbcimChunk, PlanesChunk, RecipeChunk, SurfaceChunk};
 use crate::images;
 use crate::limits::{Budget, Limits};
 use crate::mesh::{Mesh, Scalar};
@@ -26,6 +29,7 @@ pub struct Decoder<'a> {
 enum Body<'a> {
     Surface(SurfaceChunk<'a>),
     Mbcim { chunk: MbcimChunk<'a>, stages: Vec<&'a [u8]> },
+    Planes { chunk: PlanesChunk<'a>, codec: &'static dyn PlaneCodec, name: &'static str },
 }
 
 /// What a file says of itself before it is decoded.
@@ -97,7 +101,7 @@ impl<'a> Decoder<'a> {
     /// As [`Decoder::new`], and [`Error::Limit`].
     pub fn with_limits(bytes: &'a [u8], limits: Limits) -> Result<Self> {
         let chunks = Chunks::read(bytes)?;
-        chunks.check_known(&[Header::TAG, SurfaceChunk::TAG, MbcimChunk::TAG])?;
+        chunks.check_known(&[Header::TAG, SurfaceChunk::TAG, MbcimChunk::TAG, PlanesChunk::TAG])?;
         let header = Header::read(chunks.one(Header::TAG)?.reader())?;
         let body = match header.codec {
             Header::SURFACE => {
@@ -113,12 +117,24 @@ impl<'a> Decoder<'a> {
                 let stages = chunks.iter().filter(|chunk| chunk.tag == MbcimChunk::STAGE).map(|chunk| chunk.payload);
                 Body::Mbcim { chunk, stages: stages.collect() }
             }
-            other => return Err(Error::Unsupported { what: "codec", id: other.to_string() }),
+            codec => {
+                let (codec, name) = plane_codec(codec)?;
+                let chunk = PlanesChunk::read(chunks.one(PlanesChunk::TAG)?.reader(), &mut Budget::new(limits))?;
+                Body::Planes { chunk, codec, name }
+            }
         };
         let recipe = chunks.iter().find(|chunk| chunk.tag == RecipeChunk::TAG);
         let recipe = recipe.map(|chunk| RecipeChunk::read(chunk.reader())).transpose()?;
         let info = Info::new(bytes, &chunks, &header, &body, recipe.as_ref())?;
         Ok(Self { header, body, recipe, limits, info })
+    }
+
+    /// Decodes no more than the first `count` stages beside the base; all of them if there are fewer.
+    pub fn stages(mut self, count: usize) -> Self {
+        if let Body::Mbcim { stages, .. } = &mut self.body {
+            stages.truncate(count);
+        }
+        self
     }
 
     /// What the file says of itself.
@@ -161,6 +177,10 @@ impl<'a> Decoder<'a> {
                 let decoded = images::read_mbcim(chunk, stages, header.vertices, header.extent, &mut budget, task)?;
                 (decoded.triangles, decoded.positions)
             }
+            Body::Planes { chunk, codec, .. } => {
+                let decoded = images::read_planes(chunk, *codec, header.vertices, header.extent, &mut budget, task)?;
+                (decoded.triangles, decoded.positions)
+            }
         };
         if triangles.len() != header.faces as usize {
             let why = format!("{} faces were decoded, the header says {}", triangles.len(), header.faces);
@@ -171,6 +191,16 @@ impl<'a> Decoder<'a> {
         let mut mesh = Mesh::from_triangles(positions, triangles);
         mesh.precision = self.info.precision;
         Ok(mesh)
+    }
+}
+
+/// The codec of planes that a header names.
+fn plane_codec(id: u8) -> Result<(&'static dyn PlaneCodec, &'static str)> {
+    match id {
+        Header::RAW => Ok((&Raw, "raw")),
+        #[cfg(feature = "exr")]
+        Header::EXR => Ok((&Exr, "exr")),
+        other => Err(Error::Unsupported { what: "codec", id: other.to_string() }),
     }
 }
 
@@ -198,10 +228,18 @@ impl Info {
                 let connectivity = chunk.map.len() + chunk.side_size;
                 ("mbcim", Effort::Default, connectivity as u64, positions as u64, images::cost(header.vertices, header.faces))
             }
+            Body::Planes { chunk, name, .. } => {
+                let cost = images::planes_cost(chunk, header.faces);
+                (*name, Effort::Default, chunk.side_size as u64, chunk.samples.len() as u64, cost)
+            }
         };
         let (stages, stages_present) = match body {
             Body::Mbcim { chunk, stages } => (chunk.stages.clone(), stages.len().min(chunk.stages.len())),
-            Body::Surface(_) => (Vec::new(), 0),
+            _ => (Vec::new(), 0),
+        };
+        let image = match body {
+            Body::Planes { chunk, .. } => Some([chunk.rows, chunk.columns]),
+            _ => recipe.map(|chunk| [chunk.rows, chunk.columns]),
         };
         let header_size = bytes.len() as u64 - connectivity - positions;
         let parts = vec![("header", header_size), ("connectivity", connectivity), ("positions", positions)];
@@ -223,7 +261,7 @@ impl Info {
                 .map(|chunk| ChunkInfo { tag: chunk.tag.escape_ascii().to_string(), bytes: chunk.size })
                 .collect(),
             parts,
-            image: recipe.map(|chunk| [chunk.rows, chunk.columns]),
+            image,
             stages,
             stages_present,
             memory: cost.0,

@@ -3,10 +3,14 @@
 //! Mesh → half-edges → filled surface → lattice → streams → chunks.
 
 use crate::cgim::{Contact, Search};
+#[cfg(feature = "exr")]
+use crate::codec::Exr;
+use crate::codec::{PlaneCodec, Raw};
 use crate::decode::{Decoder, Info};
 use crate::error::{Error, MeshDefect, Result};
-use crate::format::{ChunkWriter, Header, LatticeForm, MAX_EXTENT, SurfaceChunk};
+use crate::format::{ChunkWriter, Header, LatticeForm, MAX_EXTENT, RecipeChunk, SurfaceChunk};
 use crate::images;
+use crate::limits::Limits;
 use crate::mesh::{HalfEdges, Mesh, Scalar};
 use crate::options::{Accuracy, Codec, EncodeOptions};
 use crate::plane::{Lattice, bounding_box};
@@ -55,6 +59,9 @@ impl EncodeOptions {
         let codec = match self.codec {
             Codec::Surface => Header::SURFACE,
             Codec::Mbcim => Header::MBCIM,
+            Codec::Raw => Header::RAW,
+            #[cfg(feature = "exr")]
+            Codec::Exr => Header::EXR,
         };
         let draft = Header {
             codec,
@@ -82,23 +89,60 @@ impl EncodeOptions {
                 let streams = images::write_mbcim(&half_edges, &positions, header.extent, &self.image_options(), task)?;
                 streams.chunks.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
             }
+            Codec::Raw => self.write_planes(&mut writer, &half_edges, &positions, &header, &Raw, task)?,
+            #[cfg(feature = "exr")]
+            Codec::Exr => self.write_planes(&mut writer, &half_edges, &positions, &header, &Exr, task)?,
         }
-        let bytes = writer.into_bytes();
+        let mut bytes = writer.into_bytes();
+        if self.image.search > 1 && matches!(self.codec, Codec::Surface | Codec::Mbcim) {
+            let recipe = self.recipe(&bytes, task)?;
+            let mut writer = ChunkWriter::after(&bytes);
+            writer.chunk(RecipeChunk::TAG, &recipe);
+            bytes = writer.into_bytes();
+        }
         let info = Decoder::new(&bytes)?.info().clone();
         Ok(Encoded { info, bytes, notes: notes(mesh, filled.census.vertices as usize) })
     }
 }
 
 impl EncodeOptions {
+    fn write_planes(
+        &self,
+        writer: &mut ChunkWriter,
+        mesh: &HalfEdges,
+        positions: &[[i32; 3]],
+        header: &Header,
+        codec: &dyn PlaneCodec,
+        task: Task<'_>,
+    ) -> Result<()> {
+        if !self.image.stages.is_empty() {
+            return Err(Error::Parameter("stages are for the codec mbcim".into()));
+        }
+        let streams = images::write_planes(mesh, positions, header.extent, codec, &self.search(), task)?;
+        streams.chunks.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
+        Ok(())
+    }
+
+    fn search(&self) -> Search {
+        let choices = &self.image;
+        Search { trials: choices.search, seed: choices.seed, alpha: choices.alpha, contact: Contact::Slash }
+    }
+
+    /// From what the image of the mesh in a file can be made again.
+    fn recipe(&self, file: &[u8], task: Task<'_>) -> Result<Vec<u8>> {
+        let limits = Limits::default().memory(u64::MAX).work(u64::MAX).vertices(u64::MAX);
+        let mesh = Decoder::with_limits(file, limits)?.decode()?;
+        let half_edges = HalfEdges::new(mesh.positions.len(), mesh.faces.triangles())?;
+        Ok(images::search_recipe(&half_edges, &self.search(), task)?.write())
+    }
+
     fn image_options(&self) -> images::ImageOptions<'_> {
         let sweeps = match self.effort {
             Effort::Fast => 1,
             Effort::Default => 4,
             Effort::Best => 24,
         };
-        let choices = &self.image;
-        let search = Search { trials: choices.search, seed: choices.seed, alpha: choices.alpha, contact: Contact::Slash };
-        images::ImageOptions { sweeps, search, stages: &choices.stages }
+        images::ImageOptions { sweeps, stages: &self.image.stages }
     }
 }
 

@@ -4,16 +4,17 @@
 //! colours. On the way out: words → triangles → base colours → mesh; the image itself is made only for those who
 //! want to look at it.
 
-use crate::cgim::{Rebuilt, Recipe, rebuild, word_triangles};
 #[cfg(feature = "encode")]
-use crate::cgim::{Search, image, words};
+use crate::cgim::{Image, Search, image, walls, words};
+use crate::cgim::{Rebuilt, Recipe, VMatrix, matrix_triangles, rebuild, regions, word_triangles};
+use crate::codec::PlaneCodec;
 use crate::codec::mbcim::{Meetings, base_colour, ladder::Ladder, stage};
 use crate::entropy::{BitReader, BitWriter};
 use crate::error::{Error, Place, Result};
-use crate::format::{MbcimChunk, RecipeChunk};
+use crate::format::{MbcimChunk, PlanesChunk, RecipeChunk};
 use crate::limits::Budget;
 use crate::mesh::HalfEdges;
-use crate::plane::Levels;
+use crate::plane::{Levels, MAX_DEPTH, Plane, Planes, Shape};
 use crate::task::Task;
 
 /// An image file before it is packed: chunks, in order.
@@ -28,8 +29,6 @@ pub(crate) struct Streams {
 pub(crate) struct ImageOptions<'a> {
     /// Full sweeps of which the cheapest is stored.
     pub(crate) sweeps: usize,
-    /// The search for a small image.
-    pub(crate) search: Search,
     /// Bits that each stage adds to the base colours.
     pub(crate) stages: &'a [u8],
 }
@@ -79,17 +78,13 @@ pub(crate) fn write_mbcim(
         stage::code(&mut coder, &meetings, bits.into(), extent.map(|e| e >> rest), &mut coarse, Some(&finer))?;
         chunks.push((MbcimChunk::STAGE, coder.finish()));
     }
-    if options.search.trials > 1 {
-        let mesh = HalfEdges::new(colours.len(), triangles.clone())?;
-        chunks.push((RecipeChunk::TAG, search_recipe(&mesh, &options.search, &task)?.write()));
-    }
     Ok(Streams { chunks })
 }
 
 /// Searches for a small image of a mesh as a decoder will have it.
 #[cfg(feature = "encode")]
-pub(crate) fn search_recipe(mesh: &HalfEdges, search: &Search, task: &Task<'_>) -> Result<RecipeChunk> {
-    let image = image(mesh, search, task)?;
+pub(crate) fn search_recipe(mesh: &HalfEdges, search: &Search, task: Task<'_>) -> Result<RecipeChunk> {
+    let image = image(mesh, search, &task)?;
     let (rows, columns) = (image.matrix.rows() as u32, image.matrix.columns() as u32);
     Ok(RecipeChunk { rows, columns, recipes: image.recipes.iter().map(Recipe::pack).collect() })
 }
@@ -161,4 +156,116 @@ pub(crate) fn read_mbcim(
         }
     }
     Ok(Decoded { triangles: rebuilt.triangles, positions: colours })
+}
+
+/// Writes a mesh as planes of samples. `positions[v]` is the lattice position of vertex v.
+#[cfg(feature = "encode")]
+pub(crate) fn write_planes(
+    surface: &HalfEdges,
+    positions: &[[i32; 3]],
+    extent: [i32; 3],
+    codec: &dyn PlaneCodec,
+    search: &Search,
+    task: Task<'_>,
+) -> Result<Streams> {
+    let image = image(surface, search, &task)?;
+    let depth = extent.into_iter().fold(1, |depth, e| depth.max(32 - e.leading_zeros())) as u8;
+    if depth > MAX_DEPTH {
+        return Err(Error::Parameter(format!(
+            "samples of {depth} bits; this codec has at most {MAX_DEPTH}: take a larger step"
+        )));
+    }
+    let triangles = matrix_triangles(&image.matrix, image.regions(), &image.side, &mut unlimited())?;
+    let colours = region_colours(&image, positions, &triangles);
+    let pixel = |p: usize| colours[image.matrix.entries()[p] as usize];
+    let walls = walls(&image.matrix, &image.side.blocks, |p, q| pixel(p) == pixel(q));
+    let shape = Shape::new(image.matrix.columns() as u32, image.matrix.rows() as u32)?;
+    let plane = |axis: usize| Plane::new(shape, depth, (0..shape.pixels()).map(|p| pixel(p)[axis]).collect());
+    let samples = codec.encode(&Planes::new(vec![plane(0)?, plane(1)?, plane(2)?])?, &task)?;
+    let chunk = PlanesChunk {
+        columns: shape.width() as u32,
+        rows: shape.height() as u32,
+        depth,
+        side: image.side,
+        side_size: 0,
+        walls,
+        samples: &samples,
+    };
+    Ok(Streams { chunks: vec![(PlanesChunk::TAG, chunk.write())] })
+}
+
+/// The position of every region; where a hole was filled, the mean of those around it.
+#[cfg(feature = "encode")]
+fn region_colours(image: &Image, positions: &[[i32; 3]], triangles: &[[u32; 3]]) -> Vec<[i32; 3]> {
+    let known = |region: u32| positions.get(image.origin[region as usize] as usize);
+    let mut around = std::collections::HashMap::new();
+    for t in triangles.iter().filter(|t| t.iter().any(|&r| known(r).is_none())) {
+        let dummy = t.iter().find(|&&r| known(r).is_none()).map_or(0, |&r| image.origin[r as usize]);
+        let (sum, count) = around.entry(dummy).or_insert(([0_i64; 3], 0_i64));
+        for p in t.iter().filter_map(|&r| known(r)) {
+            (0..3).for_each(|i| sum[i] += i64::from(p[i]));
+            *count += 1;
+        }
+    }
+    let mean = |v: &u32| around.get(v).map_or([0; 3], |(sum, count)| sum.map(|s| (s / count.max(&1)) as i32));
+    image.origin.iter().map(|v| positions.get(*v as usize).copied().unwrap_or_else(|| mean(v))).collect()
+}
+
+/// Memory and steps that reading planes takes, as far as the chunk tells.
+pub(crate) fn planes_cost(chunk: &PlanesChunk<'_>, faces: u32) -> (u64, u64) {
+    let (pixels, faces) = (u64::from(chunk.columns) * u64::from(chunk.rows), u64::from(faces));
+    let (memory, work) = (pixels.saturating_mul(72), pixels.saturating_mul(30));
+    let memory = memory.saturating_add(faces * crate::cgim::BYTES_A_TRIANGLE);
+    (memory, work.saturating_add(faces * crate::cgim::STEPS_A_TRIANGLE))
+}
+
+/// Reads what [`write_planes`] wrote.
+pub(crate) fn read_planes(
+    chunk: &PlanesChunk<'_>,
+    codec: &dyn PlaneCodec,
+    vertices: u32,
+    extent: [i32; 3],
+    budget: &mut Budget,
+    task: Task<'_>,
+) -> Result<Decoded> {
+    let malformed = |why: String| Error::malformed(Place::Whole, why);
+    budget.check_pixels(u64::from(chunk.columns) * u64::from(chunk.rows))?;
+    let shape = Shape::new(chunk.columns, chunk.rows).map_err(|e| malformed(e.to_string()))?;
+    if chunk.side.blocks.iter().map(|block| u64::from(block.rows)).sum::<u64>() != u64::from(chunk.rows) {
+        return Err(malformed(format!("blocks that do not add up to the {} rows of the image", chunk.rows)));
+    }
+    if !(1..=MAX_DEPTH).contains(&chunk.depth) {
+        return Err(malformed(format!("samples of {} bits, 1 to {MAX_DEPTH} expected", chunk.depth)));
+    }
+    let planes = codec.decode(chunk.samples, shape, &[chunk.depth; 3], budget)?;
+    task.step(0.3)?;
+    let pixels = shape.pixels() as u64;
+    budget.reserve(pixels * 24)?;
+    budget.spend(pixels * 12)?;
+    let colour = |p: usize| [0, 1, 2].map(|i| planes[i].samples()[p]);
+    let found = regions(shape.height(), shape.width(), &chunk.side.blocks, &chunk.walls, |p, q| colour(p) == colour(q));
+    let (entries, count) = found.ok_or_else(|| malformed("a wall between pixels of different colours".into()))?;
+    let matrix = VMatrix::new(shape.width(), entries);
+    let triangles = matrix_triangles(&matrix, count, &chunk.side, budget)?;
+    let rebuilt = rebuild(triangles, count, &chunk.side, budget)?;
+    if rebuilt.vertices != vertices {
+        return Err(malformed(format!("{} vertices were decoded, the header says {vertices}", rebuilt.vertices)));
+    }
+    let mut positions = budget.vec(vertices as usize, [-1; 3])?;
+    for (p, &region) in matrix.entries().iter().enumerate() {
+        let Some(position) = positions.get_mut(rebuilt.vertex[region as usize] as usize) else { continue };
+        if position[0] >= 0 && *position != colour(p) {
+            return Err(malformed("two colours for one vertex".into()));
+        }
+        *position = colour(p);
+        if (0..3).any(|i| position[i] > extent[i]) {
+            return Err(malformed(format!("pixel {p} is outside the box")));
+        }
+    }
+    Ok(Decoded { triangles: rebuilt.triangles, positions })
+}
+
+#[cfg(feature = "encode")]
+fn unlimited() -> Budget {
+    Budget::new(crate::Limits::default().memory(u64::MAX).work(u64::MAX).vertices(u64::MAX).pixels(u64::MAX))
 }

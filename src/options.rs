@@ -33,6 +33,11 @@ pub enum Codec {
     Surface,
     /// As index map and base colours of an image of vertices.
     Mbcim,
+    /// As an image of vertices, sample by sample.
+    Raw,
+    /// The same as an OpenEXR picture.
+    #[cfg(feature = "exr")]
+    Exr,
 }
 
 /// What may be chosen for images of vertices (V-matrices).

@@ -14,6 +14,7 @@ mod open;
 #[cfg(test)]
 mod random_meshes;
 mod rebuild;
+mod regions;
 mod rng;
 mod room;
 mod search;
@@ -30,7 +31,9 @@ mod words;
 
 pub(crate) use align::Contact;
 pub(crate) use open::Recipe;
-pub(crate) use rebuild::{BYTES_A_TRIANGLE, Rebuilt, STEPS_A_TRIANGLE, rebuild, word_triangles};
+pub(crate) use rebuild::{BYTES_A_TRIANGLE, Rebuilt, STEPS_A_TRIANGLE, matrix_triangles, rebuild, word_triangles};
+pub(crate) use regions::{regions, walls};
 pub(crate) use search::Search;
-pub(crate) use stack::{image, image_again};
+pub(crate) use stack::{Image, image, image_again};
+pub(crate) use vmatrix::VMatrix;
 pub(crate) use words::words;

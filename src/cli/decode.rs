@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 use gimc::eval::Json;
+use gimc::picture::VertexImage;
 use gimc::{Decoder, Format};
 
 use super::failure::Failure;
@@ -19,6 +20,12 @@ pub(super) struct Decode {
     input: PathBuf,
     /// The mesh to make: obj, ply, off, stl or glb by its extension.
     mesh: PathBuf,
+    /// Decode the base and so many stages beside it [default: all].
+    #[arg(long, value_name = "S")]
+    stage: Option<usize>,
+    /// Also write the planes of the image of vertices into this folder, as PNG: positions, normals, index.
+    #[arg(long, value_name = "DIR")]
+    planes: Option<PathBuf>,
     /// The format of the mesh: obj, ply, off, stl, glb [default: by extension; ply on stdout].
     #[arg(long, value_name = "FORMAT", value_parser = input::format)]
     format: Option<Format>,
@@ -46,11 +53,25 @@ impl Decode {
         let bytes = input::bytes(&self.input)?;
         let limits = self.limits.limits();
         let decoded = self.common.run("decoding", |task| {
-            let decoder = Decoder::with_limits(&bytes, limits)?;
-            let mesh = decoder.decode_with(task)?;
-            Ok((mesh, decoder.info().clone()))
+            let decoder = Decoder::with_limits(&bytes, limits)?.stages(self.stage.unwrap_or(usize::MAX));
+            if self.planes.is_none() {
+                return Ok((decoder.decode_with(task)?, decoder.info().clone(), Vec::new()));
+            }
+            let image = VertexImage::of_file(&decoder, task)?;
+            let pictures = vec![
+                ("positions.png", image.positions_png()?),
+                ("normals.png", image.normals_png()?),
+                ("index.png", image.index_png()?),
+            ];
+            Ok((image.mesh, decoder.info().clone(), pictures))
         });
-        let (mesh, info) = decoded.map_err(|e| Failure::in_file(&input::name(&self.input), e))?;
+        let (mesh, info, pictures) = decoded.map_err(|e| Failure::in_file(&input::name(&self.input), e))?;
+        if let Some(folder) = &self.planes {
+            std::fs::create_dir_all(folder).map_err(|e| Failure::in_file(&folder.display().to_string(), e.into()))?;
+            for (name, picture) in &pictures {
+                output::write(&folder.join(name), |out| Ok(out.write_all(picture)?))?;
+            }
+        }
         let notes = output::write(&self.mesh, |out| mesh.write(format, out))?;
         let file = output::name(&self.mesh);
         self.common.notes(&file, &notes);

@@ -42,6 +42,21 @@ pub(super) struct Encode {
     /// A lattice of your own: its origin and step. Files that share one agree where they meet.
     #[arg(long, value_name = "X,Y,Z,STEP", value_parser = lattice, allow_hyphen_values = true, group = "accuracy")]
     lattice: Option<([f64; 3], f64)>,
+    /// Trials for a small image of vertices [default: 1].
+    #[arg(long, value_name = "N", help_heading = "Images of vertices", value_parser = clap::value_parser!(u32).range(1..))]
+    search: Option<u32>,
+    /// Where the search starts.
+    #[arg(long, value_name = "S", default_value = "1", hide_default_value = true, help_heading = "Images of vertices")]
+    seed: u64,
+    /// The α of the paper's Algorithm 2; 0: off [default: 5, or any with --search].
+    #[arg(long, value_name = "N", help_heading = "Images of vertices", value_parser = clap::value_parser!(u8).range(0..=31))]
+    alpha: Option<u8>,
+    /// mbcim: coordinates in so many stages, the later ones of two bits each.
+    #[arg(long, value_name = "N", help_heading = "Images of vertices", value_parser = clap::value_parser!(u8).range(1..=12))]
+    stages: Option<u8>,
+    /// mbcim: the bits that each stage after the first adds, with commas between.
+    #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with = "stages", help_heading = "Images of vertices")]
+    stage_bits: Vec<u8>,
     /// Time for size. Every file decodes with the same decoder.
     #[arg(long, value_enum, default_value = "default")]
     effort: EffortName,
@@ -62,6 +77,12 @@ enum Method {
 enum Codec {
     /// Code the mesh by walking over its surface.
     Surface,
+    /// As index map and base colours of an image of vertices.
+    Mbcim,
+    /// As an image of vertices, sample by sample.
+    Raw,
+    /// The same as an OpenEXR picture of floats.
+    Exr,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -85,12 +106,27 @@ fn lattice(text: &str) -> Result<([f64; 3], f64), String> {
 
 impl Encode {
     fn options(&self) -> EncodeOptions {
-        let (Method::Cgim, Codec::Surface) = (self.method, self.codec);
+        let Method::Cgim = self.method;
         let mut options = EncodeOptions::cgim().effort(match self.effort {
             EffortName::Fast => Effort::Fast,
             EffortName::Default => Effort::Default,
             EffortName::Best => Effort::Best,
         });
+        options = options.codec(match self.codec {
+            Codec::Surface => gimc::Codec::Surface,
+            Codec::Mbcim => gimc::Codec::Mbcim,
+            Codec::Raw => gimc::Codec::Raw,
+            Codec::Exr => gimc::Codec::Exr,
+        });
+        let mut image = gimc::ImageChoices::default();
+        image.search = self.search.map_or(image.search, |n| n as usize);
+        image.seed = self.seed;
+        image.alpha = self.alpha;
+        image.stages = match self.stages {
+            Some(count) => vec![2; usize::from(count) - 1],
+            None => self.stage_bits.clone(),
+        };
+        options = options.image(image);
         if let Some(bits) = self.bits {
             options = options.bits(bits);
         } else if let Some(step) = self.step {

@@ -48,6 +48,10 @@ fn json(info: &gimc::Info, bytes: usize, bpv: f64) -> String {
         ("step", info.step.into()),
         ("bits", info.bits.map_or(Json::Null, Json::from)),
         ("bound", info.bound.into()),
+        ("rows", info.image.map_or(Json::Null, |[rows, _]| rows.into())),
+        ("columns", info.image.map_or(Json::Null, |[_, columns]| columns.into())),
+        ("stages", Json::list(info.stages.iter().map(|&bits| u32::from(bits)))),
+        ("stages_present", info.stages_present.into()),
         ("precision", precision(info).into()),
         ("parts", Json::object(info.parts.iter().map(|&(name, bytes)| (name, bytes.into())))),
         (
@@ -79,6 +83,13 @@ fn text(info: &gimc::Info, file: &str, bytes: usize, bpv: f64) -> String {
     table.row("step", format!("{}{bits}, from {}", number(info.step), point(info.origin)));
     table.row("bound", format!("{}: no point of either surface is farther than this from the other", number(info.bound)));
     table.row("coordinates", precision(info));
+    if let Some([rows, columns]) = info.image {
+        table.row("image", format!("{rows} rows, {columns} columns"));
+    }
+    if !info.stages.is_empty() {
+        let present = format!("{} of {} here", info.stages_present, info.stages.len());
+        table.row("stages", format!("of {:?} bits after the base; {present}", info.stages));
+    }
     for chunk in &info.chunks {
         table.row(format!("chunk {}", chunk.tag), format!("{} bytes", thousands(chunk.bytes)));
     }

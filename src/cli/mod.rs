@@ -15,6 +15,7 @@ mod output;
 mod progress;
 mod table;
 mod verify;
+mod view;
 
 use std::process::ExitCode;
 use std::time::Duration;
@@ -46,6 +47,7 @@ enum Command {
     Verify(verify::Verify),
     Inspect(inspect::Inspect),
     Compare(compare::Compare),
+    View(view::View),
     Completions(completions::Completions),
 }
 
@@ -147,6 +149,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Verify(c) => c.run(),
         Command::Inspect(c) => c.run(),
         Command::Compare(c) => c.run(),
+        Command::View(c) => c.run(),
         Command::Completions(c) => c.run(),
     };
     outcome.unwrap_or_else(|failure| failure.report())

@@ -1,7 +1,14 @@
 //! Planes to bytes and back: one codec a way, known by four characters.
 
+#[cfg(feature = "exr")]
+mod exr;
 pub(crate) mod j2k;
 pub(crate) mod mbcim;
+mod raw;
+
+#[cfg(feature = "exr")]
+pub(crate) use exr::Exr;
+pub(crate) use raw::Raw;
 
 use crate::error::Result;
 use crate::limits::Budget;
@@ -19,7 +26,7 @@ impl std::fmt::Display for CodecId {
 }
 
 /// A way to turn planes into bytes.
-pub(crate) trait PlaneCodec {
+pub(crate) trait PlaneCodec: std::fmt::Debug + Sync {
     /// Its name in a file.
     fn id(&self) -> CodecId;
 

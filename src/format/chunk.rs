@@ -107,6 +107,13 @@ impl ChunkWriter {
         Self(writer)
     }
 
+    /// Goes on where a file ended.
+    pub(crate) fn after(file: &[u8]) -> Self {
+        let mut writer = crate::bits::Writer::default();
+        writer.bytes(file);
+        Self(writer)
+    }
+
     pub(crate) fn chunk(&mut self, tag: [u8; 4], payload: &[u8]) {
         self.0.bytes(&tag);
         self.0.varint(payload.len() as u64);

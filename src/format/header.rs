@@ -71,6 +71,10 @@ impl Header {
     pub(crate) const SURFACE: u8 = 0;
     /// The codec `mbcim`.
     pub(crate) const MBCIM: u8 = 1;
+    /// Planes of an image of vertices, as plain samples.
+    pub(crate) const RAW: u8 = 2;
+    /// The same as an OpenEXR picture.
+    pub(crate) const EXR: u8 = 3;
 
     #[cfg(feature = "encode")]
     pub(crate) fn write(&self) -> Vec<u8> {

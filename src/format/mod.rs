@@ -6,6 +6,7 @@
 mod chunk;
 mod header;
 mod mbcim;
+mod planes;
 mod recipe;
 mod side;
 mod surface;
@@ -15,5 +16,6 @@ pub(crate) use chunk::ChunkWriter;
 pub(crate) use chunk::{Chunks, VERSION};
 pub(crate) use header::{Header, LatticeForm, MAX_BITS, MAX_EXTENT};
 pub(crate) use mbcim::MbcimChunk;
+pub(crate) use planes::PlanesChunk;
 pub(crate) use recipe::RecipeChunk;
 pub(crate) use surface::SurfaceChunk;

@@ -29,7 +29,7 @@ pub(super) fn write(w: &mut Writer, side: &SideInformation) {
 
 /// How many, the first, then the steps between neighbours less one.
 #[cfg(feature = "encode")]
-fn ascending(w: &mut Writer, numbers: impl ExactSizeIterator<Item = u64>) {
+pub(super) fn ascending(w: &mut Writer, numbers: impl ExactSizeIterator<Item = u64>) {
     w.varint(numbers.len() as u64);
     let mut next = 0;
     for number in numbers {
@@ -79,7 +79,7 @@ fn count(r: &mut Reader<'_>, what: &str, budget: &mut Budget) -> Result<u64> {
     Ok(n)
 }
 
-fn ascending_from(r: &mut Reader<'_>, what: &str, budget: &mut Budget) -> Result<Vec<u64>> {
+pub(super) fn ascending_from(r: &mut Reader<'_>, what: &str, budget: &mut Budget) -> Result<Vec<u64>> {
     let mut next = 0_u64;
     let mut numbers = Vec::new();
     for _ in 0..count(r, what, budget)? {

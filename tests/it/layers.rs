@@ -71,6 +71,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("clap", &["cli", "main"]),
     ("clap_complete", &["cli"]),
     ("crc32fast", &["bits", "format"]),
+    ("exr", &["codec"]),
     ("glam", &["geom", "mesh", "distance", "param", "simplify", "cgim", "gim", "resize", "eval"]),
     ("hayro_jpeg2000", &["codec"]),
     ("image", &["plane"]),

@@ -1,0 +1,103 @@
+//! `gimc view IN OUT.png`
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+use gimc::Decoder;
+use gimc::picture::{Camera, VertexImage, shade};
+
+use super::failure::Failure;
+use super::{Common, LimitFlags, Outcome, input, output};
+
+/// Make a picture of what a file holds.
+///
+/// Of a mesh file there is only the shaded view.
+#[derive(Debug, Args)]
+pub(super) struct View {
+    /// A file, or a mesh.
+    input: PathBuf,
+    /// The PNG picture to make.
+    out: PathBuf,
+    /// What to show.
+    #[arg(long, value_enum, default_value = "mesh")]
+    what: What,
+    /// Pixels of the shaded view.
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "800x600")]
+    size: (u32, u32),
+    /// From where: turned about the upright axis, and raised above the horizon, in degrees.
+    #[arg(long, value_name = "AZ,EL", value_parser = camera, allow_hyphen_values = true, default_value = "30,20")]
+    camera: (f64, f64),
+    #[command(flatten)]
+    limits: LimitFlags,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum What {
+    /// The positions: red, green and blue are x, y and z.
+    Geometry,
+    /// The normals.
+    Normals,
+    /// Every vertex in a colour of its own; white where a cut doubled it.
+    Index,
+    /// A shaded view of the mesh.
+    Mesh,
+}
+
+/// `800x600`.
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    sides
+        .filter(|&(w, h)| (1..=16384).contains(&w) && (1..=16384).contains(&h))
+        .ok_or_else(|| "two whole numbers up to 16384 are expected, with an x between, such as 800x600".into())
+}
+
+/// `30,20`.
+fn camera(text: &str) -> Result<(f64, f64), String> {
+    let angles = text.split_once(',').and_then(|(a, e)| Some((a.trim().parse().ok()?, e.trim().parse().ok()?)));
+    angles
+        .filter(|&(a, e): &(f64, f64)| a.is_finite() && e.is_finite())
+        .ok_or_else(|| "two angles in degrees are expected, such as 30,20".into())
+}
+
+impl View {
+    pub(super) fn run(self) -> Outcome {
+        let file = input::name(&self.input);
+        let bytes = input::bytes(&self.input)?;
+        let is_mesh = !bytes.starts_with(b"gimc");
+        if is_mesh && self.what != What::Mesh {
+            return Err(Failure::wrong_use(
+                format!("{file} is not a gimc file, and only those hold an image"),
+                Some("`--what mesh` shows the mesh".into()),
+            ));
+        }
+        let (azimuth, elevation) = self.camera;
+        let shaded = |mesh: &gimc::Mesh| shade(mesh, self.size.0, self.size.1, Camera { azimuth, elevation });
+        let limits = self.limits.limits();
+        let picture = if is_mesh {
+            self.common.run("drawing", |_| {
+                let mesh = gimc::Mesh::read(&bytes, gimc::Format::from_path(&self.input))?.mesh;
+                mesh.check()?;
+                shaded(&mesh)
+            })
+        } else {
+            self.common.run("drawing", |task| {
+                let decoder = Decoder::with_limits(&bytes, limits)?;
+                if self.what == What::Mesh {
+                    return shaded(&decoder.decode_with(task)?);
+                }
+                let image = VertexImage::of_file(&decoder, task)?;
+                match self.what {
+                    What::Geometry => image.positions_png(),
+                    What::Normals => image.normals_png(),
+                    _ => image.index_png(),
+                }
+            })
+        };
+        let picture = picture.map_err(|e| Failure::in_file(&file, e))?;
+        output::write(&self.out, |out| Ok(out.write_all(&picture)?))?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
