@@ -80,3 +80,10 @@ pub use par::with_threads;
 pub use plane::Lattice;
 pub use surface::Effort;
 pub use task::Task;
+
+/// Doors into single rooms, for fuzzers. No part of the interface: they may change at any time.
+#[cfg(all(feature = "inner", feature = "encode"))]
+#[doc(hidden)]
+pub mod inner {
+    pub use crate::codec::j2k::trial as j2k;
+}

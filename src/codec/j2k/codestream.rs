@@ -28,6 +28,20 @@ pub(crate) enum Transform {
     Reversible53,
 }
 
+impl Transform {
+    /// Its number in a codestream and in a container.
+    pub(super) fn code(self) -> u8 {
+        match self {
+            Self::Irreversible97 => 0,
+            Self::Reversible53 => 1,
+        }
+    }
+
+    pub(super) fn from_code(code: u8) -> Option<Self> {
+        [Self::Irreversible97, Self::Reversible53].into_iter().find(|t| t.code() == code)
+    }
+}
+
 /// What a container states about a codestream, and the reader holds it to.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Profile {
@@ -83,10 +97,7 @@ impl Header {
         put16(&mut out, u16::from(profile.layers));
         out.push(0); // no component transform
         out.extend([profile.levels, self.block - 2, self.block - 2, 0]);
-        out.push(match profile.transform {
-            Transform::Irreversible97 => 0,
-            Transform::Reversible53 => 1,
-        });
+        out.push(profile.transform.code());
 
         for (component, quantisation) in self.quantisation.iter().enumerate() {
             if component > 0 && *quantisation == self.quantisation[0] {
@@ -174,11 +185,9 @@ impl Header {
         }
         r.expect8(block - 2, "the height of code-blocks")?;
         r.expect8(0, "the code-block style")?;
-        let transform = match r.u8()? {
-            0 => Transform::Irreversible97,
-            1 => Transform::Reversible53,
-            other => return Err(r.malformed(format!("wavelet transform {other}, expected 0 or 1"))),
-        };
+        let code = r.u8()?;
+        let transform =
+            Transform::from_code(code).ok_or_else(|| r.malformed(format!("wavelet transform {code}, expected 0 or 1")))?;
         let profile = Profile { shape, depths, transform, levels, layers: layers as u8 };
 
         r.expect16(QCD, "the marker QCD")?;

@@ -9,6 +9,7 @@ use super::partition::{self, Partition};
 use super::quantise;
 use super::rate::{Hulls, Weight};
 use super::target::{COARSEST_UNIT, peak, reach};
+use super::weigh::Covered;
 use super::{MAX_DEPTH, MAX_LAYERS, MAX_LEVELS};
 use crate::error::{Error, Result};
 use crate::par;
@@ -43,6 +44,9 @@ pub(crate) struct Settings<'a> {
     pub(crate) layers: u8,
     /// How much an error in each component counts when bytes are shared out, relative to its peak. Default: 1 for all.
     pub(crate) weights: Vec<f64>,
+    /// How much an error in each pixel counts when bytes are shared out, row by row: what the pixel stands for. It is
+    /// averaged over what each code-block covers. Default: 1 for all.
+    pub(crate) pixel_weights: Option<&'a [f32]>,
     /// Pixels that come first, and exactly if the transform is reversible and the bytes suffice for them. Default: none.
     pub(crate) region: Option<&'a Mask>,
 }
@@ -56,6 +60,7 @@ impl Default for Settings<'_> {
             quality: Quality::Lossless,
             layers: 1,
             weights: Vec::new(),
+            pixel_weights: None,
             region: None,
         }
     }
@@ -120,6 +125,14 @@ fn check(planes: &Planes, settings: &Settings) -> Result<()> {
     }
     if let Some(weight) = settings.weights.iter().find(|w| !(1e-9..=1e9).contains(*w)) {
         return refuse(format!("a weight of {weight}; it must be between 1e-9 and 1e9"));
+    }
+    if let Some(weights) = settings.pixel_weights {
+        if weights.len() != planes.shape().pixels() {
+            return refuse(format!("{} weights for an image of {}", weights.len(), planes.shape()));
+        }
+        if let Some(weight) = weights.iter().find(|w| !(0.0..=1e9).contains(*w)) {
+            return refuse(format!("a pixel's weight of {weight}; it must be between 0 and 1e9"));
+        }
     }
     if let Some(mask) = settings.region
         && mask.shape() != planes.shape()
@@ -188,6 +201,7 @@ impl Coded {
         });
         task.step(0.9)?;
 
+        let covered = settings.pixel_weights.map(|weights| Covered::new(weights, shape));
         let weights = (0..blocks.len())
             .map(|i| {
                 let (component, block) = (i / per_component, &partition.blocks[i % per_component]);
@@ -197,7 +211,8 @@ impl Coded {
                 let step = quantise::size(settings.transform, quantisation.steps[block.band], band, depth);
                 let norm = quantise::norm(settings.transform, band) * step / peak(depth);
                 let error = norm * norm / (shape.pixels() * components.len()) as f64;
-                let weight = settings.weights.get(component).copied().unwrap_or(1.0);
+                let pixels = covered.as_ref().map_or(1.0, |covered| covered.mean(block, band));
+                let weight = settings.weights.get(component).copied().unwrap_or(1.0) * pixels;
                 Weight { error, importance: error * weight, region: has_region.then_some((*shift).into()) }
             })
             .collect();

@@ -39,6 +39,10 @@ mod tag_tree;
 mod target;
 #[cfg(all(test, feature = "encode"))]
 mod tests;
+#[cfg(all(feature = "encode", any(test, feature = "inner")))]
+pub mod trial;
+#[cfg(feature = "encode")]
+mod weigh;
 
 pub(crate) use codestream::{Profile, Transform};
 pub(crate) use decode::{decode, profile};
@@ -48,9 +52,55 @@ pub(crate) use jp2::wrap;
 #[cfg(feature = "encode")]
 pub(crate) use target::psnr;
 
+use super::{CodecId, PlaneCodec};
+use crate::error::{Error, Place, Result};
+use crate::limits::Budget;
+use crate::plane::{Planes, Shape};
+
 /// The deepest samples: what the decoder's `f32` holds exactly after the transform.
 pub(crate) const MAX_DEPTH: u8 = 16;
 /// The most decompositions.
 pub(crate) const MAX_LEVELS: u8 = 6;
 /// The most quality layers.
 pub(crate) const MAX_LAYERS: u8 = 32;
+
+/// JPEG 2000 as a codec of planes: a codestream after three bytes in which the container states what is not told by the
+/// planes' shape and depths.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct J2k<'a> {
+    /// How planes are encoded; a decoder has no use for it.
+    #[cfg(feature = "encode")]
+    pub(crate) settings: Settings<'a>,
+    #[cfg(not(feature = "encode"))]
+    settings: std::marker::PhantomData<&'a ()>,
+}
+
+/// Transform, decompositions, layers.
+const STATED: usize = 3;
+
+/// The codestream of a payload, as a `.j2k` file has it.
+pub(crate) fn codestream(payload: &[u8]) -> Result<&[u8]> {
+    let end = || Error::malformed(Place::Whole, format!("{} bytes of JPEG 2000, expected at least {STATED}", payload.len()));
+    payload.get(STATED..).ok_or_else(end)
+}
+
+impl PlaneCodec for J2k<'_> {
+    fn id(&self) -> CodecId {
+        CodecId(*b"j2k ")
+    }
+
+    #[cfg(feature = "encode")]
+    fn encode(&self, planes: &Planes, task: &crate::Task) -> Result<Vec<u8>> {
+        let Encoded { mut bytes, profile, .. } = encode(planes, &self.settings, task)?;
+        bytes.splice(0..0, [profile.transform.code(), profile.levels, profile.layers]);
+        Ok(bytes)
+    }
+
+    fn decode(&self, payload: &[u8], shape: Shape, depths: &[u8], budget: &mut Budget) -> Result<Planes> {
+        let codestream = codestream(payload)?;
+        let transform = Transform::from_code(payload[0])
+            .ok_or_else(|| Error::malformed(Place::Whole, format!("wavelet transform {}, expected 0 or 1", payload[0])))?;
+        let (levels, layers) = (payload[1], payload[2]);
+        decode(codestream, &Profile { shape, depths: depths.to_vec(), transform, levels, layers }, budget)
+    }
+}

@@ -114,6 +114,41 @@ fn a_weighty_component_has_the_better_quality() {
 }
 
 #[test]
+fn weighty_pixels_have_the_better_quality() {
+    let shape = Shape::new(512, 512).unwrap();
+    let planes = stretched(shape, &[12], 4);
+    // The left half counts a hundred times as much as the right one.
+    let pixels: Vec<f32> = (0..shape.pixels()).map(|i| if i % 512 < 256 { 100.0 } else { 1.0 }).collect();
+    let halves = |pixel_weights| {
+        let settings = Settings { pixel_weights, levels: 3, quality: Quality::BitsPerPixel(1.0), ..Settings::default() };
+        let found = decoded(&encoded(&planes, &settings));
+        [0, 256].map(|left| {
+            let rows = (0..512).map(|r| (&planes[0].row(r)[left..left + 256], &found[0].row(r)[left..left + 256]));
+            rows.flat_map(|(a, b)| a.iter().zip(b).map(|(x, y)| f64::from(x - y).powi(2))).sum::<f64>()
+        })
+    };
+    let (even, uneven) = (halves(None), halves(Some(&pixels)));
+    assert!(uneven[0] < even[0] / 2.0 && uneven[1] > even[1], "{even:?} and {uneven:?}");
+}
+
+#[test]
+fn a_payload_states_what_its_codestream_must_be() {
+    let planes = stretched(Shape::new(90, 70).unwrap(), &[12, 9], 4);
+    let codec = J2k { settings: Settings { layers: 3, ..Settings::default() } };
+    let payload = codec.encode(&planes, &Task::default()).unwrap();
+    assert_eq!(payload[..3], [1, 5, 3]);
+    let decode = |payload: &[u8]| codec.decode(payload, planes.shape(), &planes.depths(), &mut budget());
+    assert_same(&decode(&payload).unwrap(), &planes, 0, "the payload");
+    assert_same(&judges::openjpeg(codestream(&payload).unwrap()), &planes, 0, "jpeg2k");
+    for (at, value) in [(0, 0), (0, 2), (1, 4), (2, 2)] {
+        let mut other = payload.clone();
+        other[at] = value;
+        assert!(decode(&other).is_err(), "byte {at}");
+    }
+    assert!(decode(&[]).is_err() && decode(&payload[..3]).is_err());
+}
+
+#[test]
 fn what_the_optimisation_takes_for_the_error_is_the_error() {
     // The psnr of a truncated stream, from the gains of its passes, against that of its decoded samples.
     let planes = stretched(Shape::new(256, 256).unwrap(), &[12], 4);
