@@ -40,6 +40,7 @@ mod target;
 #[cfg(all(test, feature = "encode"))]
 mod tests;
 #[cfg(all(feature = "encode", any(test, feature = "inner")))]
+#[cfg_attr(not(feature = "inner"), allow(unreachable_pub))]
 pub mod trial;
 #[cfg(feature = "encode")]
 mod weigh;

@@ -21,7 +21,7 @@ impl Choices<'_> {
     }
 
     fn below(&mut self, n: u64) -> u64 {
-        (self.byte() << 8 | self.byte()) * n >> 16
+        (((self.byte() << 8) | self.byte()) * n) >> 16
     }
 }
 
