@@ -13,6 +13,7 @@ pub(crate) use raw::Raw;
 use crate::error::Result;
 use crate::limits::Budget;
 use crate::plane::{Planes, Shape};
+use crate::task::Task;
 
 /// Which codec made some bytes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -30,8 +31,7 @@ pub(crate) trait PlaneCodec: std::fmt::Debug + Sync {
     fn id(&self) -> CodecId;
 
     /// The planes as bytes.
-    #[cfg(feature = "encode")]
-    fn encode(&self, planes: &Planes, task: &crate::Task) -> Result<Vec<u8>>;
+    fn encode(&self, planes: &Planes, task: &Task) -> Result<Vec<u8>>;
 
     /// The planes of some bytes, which must have the shape and the depths that the container states.
     fn decode(&self, bytes: &[u8], shape: Shape, depths: &[u8], budget: &mut Budget) -> Result<Planes>;

@@ -57,6 +57,7 @@ use super::{CodecId, PlaneCodec};
 use crate::error::{Error, Place, Result};
 use crate::limits::Budget;
 use crate::plane::{Planes, Shape};
+use crate::task::Task;
 
 /// The deepest samples: what the decoder's `f32` holds exactly after the transform.
 pub(crate) const MAX_DEPTH: u8 = 16;
@@ -91,10 +92,15 @@ impl PlaneCodec for J2k<'_> {
     }
 
     #[cfg(feature = "encode")]
-    fn encode(&self, planes: &Planes, task: &crate::Task) -> Result<Vec<u8>> {
+    fn encode(&self, planes: &Planes, task: &Task) -> Result<Vec<u8>> {
         let Encoded { mut bytes, profile, .. } = encode(planes, &self.settings, task)?;
         bytes.splice(0..0, [profile.transform.code(), profile.levels, profile.layers]);
         Ok(bytes)
+    }
+
+    #[cfg(not(feature = "encode"))]
+    fn encode(&self, _: &Planes, _: &Task) -> Result<Vec<u8>> {
+        Err(Error::Unsupported { what: "writing codec", id: self.id().to_string() })
     }
 
     fn decode(&self, payload: &[u8], shape: Shape, depths: &[u8], budget: &mut Budget) -> Result<Planes> {
