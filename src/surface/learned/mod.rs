@@ -241,7 +241,7 @@ fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: us
     let first = stretch.range.start;
     let holes = &stretch.surface.is_hole[first as usize..];
     let real = || positions.iter().zip(holes).filter(|(_, hole)| !**hole).map(|(p, _)| *p);
-    let mut values = [0, 1, 2].map(|axis| Values::code(coder, stretch.extent[axis], real().map(|p| p[axis])));
+    let mut values = [0, 1, 2].map(|axis| Values::code(coder, stretch.extent[axis], positions.len(), real().map(|p| p[axis])));
     let damaged = |what: String| Error::malformed(Place::Whole, format!("positions: {what}"));
     let [Some(x), Some(y), Some(z)] = values.each_mut().map(Option::take) else {
         return Err(damaged("a palette that does not fit the box".into()));
@@ -472,6 +472,9 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
 
 /// Learns that `x` gave `y`, but moves as if the error were at most `most`.
 fn learn<const M: usize>(model: &mut LeastSquares<M>, x: &[f64; M], y: f64, most: f64) {
+    if !(most >= 0.0) {
+        return; // weights that ran off gave no bound
+    }
     let error = (y - model.predict(x)).clamp(-most, most);
     if error.is_finite() {
         model.learn(x, error);

@@ -21,8 +21,14 @@ pub(super) enum Values {
 const SHARE: f64 = 0.5;
 
 impl Values {
-    /// Chooses and codes the values of an axis. `occurring` are those of a writer, in any order.
-    pub(super) fn code<C: BitCoder>(coder: &mut C, extent: i32, occurring: impl Iterator<Item = i32>) -> Option<Self> {
+    /// Chooses and codes the values of an axis, of which no more than `most` occur. `occurring` are those of a
+    /// writer, in any order.
+    pub(super) fn code<C: BitCoder>(
+        coder: &mut C,
+        extent: i32,
+        most: usize,
+        occurring: impl Iterator<Item = i32>,
+    ) -> Option<Self> {
         let mut list = Vec::new();
         let mut uses = false;
         if C::WRITES {
@@ -39,13 +45,16 @@ impl Values {
         // The gaps between entries, each in the context of the last.
         let mut numbers = Numbers::new(CONTEXTS + 1);
         let count = numbers.code(coder, list.len() as u32, CONTEXTS);
+        if count as usize > most {
+            return None;
+        }
         let mut found = Vec::new();
         let (mut gap, mut value) = (0, 0_u32);
         for i in 0..count {
             let wanted = list.get(i as usize).map_or(0, |&v| (v as u32).wrapping_sub(value));
             gap = numbers.code(coder, wanted, (gap as usize).min(CONTEXTS - 1));
             value = value.checked_add(gap)?;
-            if value > extent as u32 || coder.is_exhausted() {
+            if value > extent as u32 || gap == 0 && i > 0 || coder.is_exhausted() {
                 return None;
             }
             found.push(value as i32);
@@ -144,9 +153,9 @@ mod tests {
         ) {
             let mut writer = BitWriter::default();
             let all = occurring.iter().copied().cycle().take(occurring.len() * copies);
-            let written = Values::code(&mut writer, 9_999, all).unwrap();
+            let written = Values::code(&mut writer, 9_999, occurring.len() * copies, all).unwrap();
             let bytes = writer.finish();
-            let read = Values::code(&mut BitReader::new(&bytes), 9_999, std::iter::empty()).unwrap();
+            let read = Values::code(&mut BitReader::new(&bytes), 9_999, 50, std::iter::empty()).unwrap();
             occurring.sort_unstable();
             for &value in &occurring {
                 let index = read.index(value);
@@ -156,6 +165,23 @@ mod tests {
                 prop_assert!(read.edge(index) < f64::from(value) && f64::from(value) < read.edge(index + 1));
             }
         }
+    }
+
+    #[test]
+    fn a_list_that_repeats_an_entry_or_is_longer_than_its_vertices_is_refused() {
+        let read = |gaps: &[u32], most: usize| {
+            let (mut writer, mut numbers, mut gap) = (BitWriter::default(), Numbers::new(CONTEXTS + 1), 0);
+            writer.code(true, 1 << 15);
+            numbers.code(&mut writer, gaps.len() as u32, CONTEXTS);
+            for &next in gaps {
+                gap = numbers.code(&mut writer, next, (gap as usize).min(CONTEXTS - 1));
+            }
+            Values::code(&mut BitReader::new(&writer.finish()), 9, most, std::iter::empty())
+        };
+        assert!(read(&[0, 4, 5], 3).is_some());
+        assert!(read(&[0, 4, 0, 5], 4).is_none());
+        assert!(read(&[0, 4, 5], 2).is_none());
+        assert!(read(&[0, 4, 6], 3).is_none());
     }
 
     #[test]
