@@ -77,7 +77,7 @@ pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Labe
 #[cfg(feature = "encode")]
 pub use options::{Accuracy, Codec, EncodeOptions, ImageChoices};
 pub use par::with_threads;
-pub use plane::Lattice;
+pub use plane::{GeometryImage, Gluing, Lattice};
 pub use surface::Effort;
 pub use task::Task;
 

@@ -4,6 +4,7 @@
 //! what the other does with them: a sample is an unsigned integer of a stated depth, and what it means (a coordinate
 //! on a lattice, a normal's angle, an index) is said elsewhere.
 
+mod geometry_image;
 mod level;
 mod mask;
 #[cfg(feature = "png")]
@@ -11,6 +12,7 @@ mod png;
 mod quantise;
 mod side;
 
+pub use geometry_image::{GeometryImage, Gluing};
 pub(crate) use level::{Levels, Step};
 pub(crate) use mask::Mask;
 #[cfg(all(test, feature = "png"))]
