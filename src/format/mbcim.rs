@@ -30,7 +30,7 @@ impl<'a> MbcimChunk<'a> {
     #[cfg(feature = "encode")]
     pub(crate) fn write(side: &SideInformation, regions: u32, stages: &[u8], map: &[u8], colours: &[u8]) -> Vec<u8> {
         let mut w = Writer::default();
-        side::write(&mut w, side);
+        side::write(&mut w, side, &[]);
         w.varint(regions.into());
         w.u8(stages.len() as u8);
         w.bytes(stages);
@@ -42,7 +42,7 @@ impl<'a> MbcimChunk<'a> {
 
     pub(crate) fn read(mut r: Reader<'a>, budget: &mut Budget) -> Result<Self> {
         let before = r.clone().rest().len();
-        let side = side::read(&mut r, budget)?;
+        let (side, _) = side::read(&mut r, budget)?;
         let side_size = before - r.clone().rest().len();
         let regions = r.varint("the regions")?;
         let Ok(regions) = u32::try_from(regions) else {

@@ -33,8 +33,7 @@ impl<'a> PlanesChunk<'a> {
         w.varint(self.columns.into());
         w.varint(self.rows.into());
         w.u8(self.depth);
-        side::write(&mut w, &self.side);
-        side::ascending(&mut w, self.walls.iter().copied());
+        side::write(&mut w, &self.side, &self.walls);
         w.bytes(self.samples);
         w.into_bytes()
     }
@@ -47,8 +46,7 @@ impl<'a> PlanesChunk<'a> {
         };
         let (columns, rows) = (length("the columns")?, length("the rows")?);
         let depth = r.u8("the depth")?;
-        let side = side::read(&mut r, budget)?;
-        let walls = side::ascending_from(&mut r, "walls", budget)?;
+        let (side, walls) = side::read(&mut r, budget)?;
         let samples = r.rest();
         Ok(Self { columns, rows, depth, side, side_size: before - samples.len(), walls, samples })
     }
