@@ -1,17 +1,18 @@
 //! The door in: a mesh to a file.
 //!
-//! Mesh → half-edges → filled surface → lattice → streams → chunks.
+//! Mesh → oriented manifold → filled surface → lattice → streams → chunks.
 
 use crate::cgim::{Contact, Search};
 #[cfg(feature = "exr")]
 use crate::codec::Exr;
-use crate::codec::{PlaneCodec, Raw};
+use crate::codec::Raw;
 use crate::decode::{Decoder, Info};
 use crate::error::{Error, MeshDefect, Result};
-use crate::format::{ChunkWriter, Header, LatticeForm, MAX_EXTENT, RecipeChunk, SurfaceChunk};
+use crate::extras::{self, Coded};
+use crate::format::{ChunkWriter, Extras, Header, LatticeForm, MAX_EXTENT, RecipeChunk, SurfaceChunk};
 use crate::images;
 use crate::limits::Limits;
-use crate::mesh::{HalfEdges, Mesh, Scalar};
+use crate::mesh::{Front, HalfEdges, Mesh, Scalar};
 use crate::options::{Accuracy, Codec, EncodeOptions};
 use crate::plane::{Lattice, bounding_box};
 use crate::surface::{self, Effort, Filled};
@@ -35,7 +36,7 @@ impl EncodeOptions {
     /// O(n log n) in its faces.
     ///
     /// # Errors
-    /// A mesh that is not an oriented manifold, coordinates that are not finite, options that contradict each
+    /// A mesh without vertices, coordinates that are not finite, options that contradict each
     /// other, or a bound that cannot be held.
     pub fn encode(&self, mesh: &Mesh) -> Result<Vec<u8>> {
         Ok(self.encode_with(mesh, Task::default())?.bytes)
@@ -49,13 +50,13 @@ impl EncodeOptions {
         self.check()?;
         task.step(0.0)?;
         mesh.check()?;
-        let triangles = mesh.faces.triangles();
-        if triangles.is_empty() {
-            return Err(MeshDefect::Empty.into());
-        }
-        let faces = triangles.len() as u32;
-        let half_edges = HalfEdges::new(mesh.positions.len(), triangles)?;
-        let filled = Filled::new(&half_edges);
+        let (Ok(vertices), Ok(faces)) = (u32::try_from(mesh.positions.len()), u32::try_from(mesh.faces.len())) else {
+            return Err(Error::Parameter("more vertices or faces than 32 bits count".into()));
+        };
+        let front = Front::new(mesh.positions.len(), &mesh.faces);
+        task.step(0.0)?;
+        let is_plain = front.is_plain(mesh.positions.len(), &mesh.faces);
+        self.check_image(&front, is_plain)?;
         let codec = match self.codec {
             Codec::Surface => Header::SURFACE,
             Codec::Mbcim => Header::MBCIM,
@@ -66,32 +67,21 @@ impl EncodeOptions {
         let draft = Header {
             codec,
             double: mesh.precision == Scalar::F64,
-            vertices: filled.census.vertices,
+            extras: Extras { fixes: !is_plain, order: self.keep_order, labels: !mesh.labels.is_empty() },
+            vertices,
             faces,
             lattice: LatticeForm::Free(Lattice { origin: [0.0; 3], step: 1.0 }),
             low: [0; 3],
             extent: [0; 3],
             bound: 0.0,
         };
-        let (header, positions) = place(self.accuracy, draft, mesh, &half_edges)?;
+        let (header, positions) = place(self.accuracy, draft, mesh)?;
+        let on_surface: Vec<[i32; 3]> = front.vertex.iter().map(|&v| positions[v as usize]).collect();
         let mut writer = ChunkWriter::new();
         writer.chunk(Header::TAG, &header.write());
-        match self.codec {
-            Codec::Surface => {
-                let streams = surface::write(&filled, &positions, header.extent, self.effort, task)?;
-                let census = [filled.census.holes, filled.census.components, filled.census.handles];
-                writer.chunk(
-                    SurfaceChunk::TAG,
-                    &SurfaceChunk::write(self.effort as u8, census, &streams.connectivity, &streams.positions),
-                );
-            }
-            Codec::Mbcim => {
-                let streams = images::write_mbcim(&half_edges, &positions, header.extent, &self.image_options(), task)?;
-                streams.chunks.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
-            }
-            Codec::Raw => self.write_planes(&mut writer, &half_edges, &positions, &header, &Raw, task)?,
-            #[cfg(feature = "exr")]
-            Codec::Exr => self.write_planes(&mut writer, &half_edges, &positions, &header, &Exr, task)?,
+        let coded = self.write_surface(&mut writer, &front.surface, &on_surface, &header, task)?;
+        if header.extras != Extras::default() {
+            extras::write(&mut writer, &header, mesh, &positions, &front, &coded()?)?;
         }
         let mut bytes = writer.into_bytes();
         if self.image.search > 1 && matches!(self.codec, Codec::Surface | Codec::Mbcim) {
@@ -101,26 +91,59 @@ impl EncodeOptions {
             bytes = writer.into_bytes();
         }
         let info = Decoder::new(&bytes)?.info().clone();
-        Ok(Encoded { info, bytes, notes: notes(mesh, filled.census.vertices as usize) })
+        Ok(Encoded { info, bytes, notes: notes(mesh) })
     }
 }
 
 impl EncodeOptions {
-    fn write_planes(
-        &self,
-        writer: &mut ChunkWriter,
-        mesh: &HalfEdges,
-        positions: &[[i32; 3]],
-        header: &Header,
-        codec: &dyn PlaneCodec,
-        task: Task<'_>,
-    ) -> Result<()> {
-        if !self.image.stages.is_empty() {
+    /// Refuses what images of vertices cannot hold.
+    fn check_image(&self, front: &Front, is_plain: bool) -> Result<()> {
+        if self.codec == Codec::Surface {
+            return Ok(());
+        }
+        if front.surface.triangles().is_empty() {
+            return Err(MeshDefect::Empty.into());
+        }
+        if !self.image.stages.is_empty() && self.codec != Codec::Mbcim {
             return Err(Error::Parameter("stages are for the codec mbcim".into()));
         }
-        let streams = images::write_planes(mesh, positions, header.extent, codec, &self.search(), task)?;
-        streams.chunks.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
+        if !self.image.stages.is_empty() && !is_plain {
+            let why = "stages are for oriented manifolds of triangles, and this mesh is none: `gimc inspect` tells why";
+            return Err(Error::Parameter(why.into()));
+        }
         Ok(())
+    }
+
+    /// Writes what the codec keeps; the result tells, if asked, what a reader will make of it.
+    fn write_surface<'a>(
+        &self,
+        writer: &mut ChunkWriter,
+        surface: &'a HalfEdges,
+        positions: &[[i32; 3]],
+        header: &Header,
+        task: Task<'_>,
+    ) -> Result<impl FnOnce() -> Result<Coded> + 'a> {
+        let streams = match self.codec {
+            Codec::Surface => {
+                let filled = Filled::new(surface);
+                let (streams, walked) = surface::write(&filled, positions, header.extent, self.effort, task)?;
+                let census = [filled.census.holes, filled.census.components, filled.census.handles];
+                let chunk = SurfaceChunk::write(self.effort as u8, census, &streams.connectivity, &streams.positions);
+                writer.chunk(SurfaceChunk::TAG, &chunk);
+                Err(walked)
+            }
+            Codec::Mbcim => Ok(images::write_mbcim(surface, positions, header.extent, &self.image_options(), task)?),
+            Codec::Raw => Ok(images::write_planes(surface, positions, header.extent, &Raw, &self.search(), task)?),
+            #[cfg(feature = "exr")]
+            Codec::Exr => Ok(images::write_planes(surface, positions, header.extent, &Exr, &self.search(), task)?),
+        };
+        if let Ok(streams) = &streams {
+            streams.chunks.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
+        }
+        Ok(move || match streams {
+            Ok(images::Streams { triangles, order, .. }) => Coded::by_image(surface, triangles, order),
+            Err(walked) => Ok(Coded::by_walk(walked)),
+        })
     }
 
     fn search(&self) -> Search {
@@ -131,7 +154,7 @@ impl EncodeOptions {
     /// From what the image of the mesh in a file can be made again.
     fn recipe(&self, file: &[u8], task: Task<'_>) -> Result<Vec<u8>> {
         let limits = Limits::default().memory(u64::MAX).work(u64::MAX).vertices(u64::MAX);
-        let mesh = Decoder::with_limits(file, limits)?.decode()?;
+        let mesh = Decoder::with_limits(file, limits)?.decode_surface(task)?;
         let half_edges = HalfEdges::new(mesh.positions.len(), mesh.faces.triangles())?;
         Ok(images::search_recipe(&half_edges, &self.search(), task)?.write())
     }
@@ -147,7 +170,7 @@ impl EncodeOptions {
 }
 
 /// Chooses the lattice, puts every vertex on it, and measures how far they move.
-fn place(accuracy: Accuracy, draft: Header, mesh: &Mesh, used: &HalfEdges) -> Result<(Header, Vec<[i32; 3]>)> {
+fn place(accuracy: Accuracy, draft: Header, mesh: &Mesh) -> Result<(Header, Vec<[i32; 3]>)> {
     let [low, high] = bounding_box(mesh.positions.iter().copied()).ok_or(MeshDefect::Empty)?;
     let sides = [0, 1, 2].map(|i| high[i] - low[i]);
     let diagonal = sides.iter().map(|s| s * s).sum::<f64>().sqrt();
@@ -170,11 +193,11 @@ fn place(accuracy: Accuracy, draft: Header, mesh: &Mesh, used: &HalfEdges) -> Re
                 }
             };
             let low = low.map(|x| outward(x, false));
-            on_lattice(LatticeForm::Box { bits, low, axis, high: outward(high[axis], true) }, draft, mesh, used)
+            on_lattice(LatticeForm::Box { bits, low, axis, high: outward(high[axis], true) }, draft, mesh)
         }
-        Accuracy::Step(step) => on_lattice(free(step), draft, mesh, used),
-        Accuracy::Lattice(lattice) => on_lattice(LatticeForm::Free(lattice), draft, mesh, used),
-        Accuracy::RelativeError(_) if diagonal == 0.0 => on_lattice(free(1.0), draft, mesh, used),
+        Accuracy::Step(step) => on_lattice(free(step), draft, mesh),
+        Accuracy::Lattice(lattice) => on_lattice(LatticeForm::Free(lattice), draft, mesh),
+        Accuracy::RelativeError(_) if diagonal == 0.0 => on_lattice(free(1.0), draft, mesh),
         Accuracy::Error(_) | Accuracy::RelativeError(_) => {
             let bound = if let Accuracy::RelativeError(share) = accuracy {
                 share * diagonal
@@ -183,7 +206,7 @@ fn place(accuracy: Accuracy, draft: Header, mesh: &Mesh, used: &HalfEdges) -> Re
             } else {
                 0.0
             };
-            let (header, positions) = on_lattice(free(for_bound(bound)), draft, mesh, used)?;
+            let (header, positions) = on_lattice(free(for_bound(bound)), draft, mesh)?;
             if f64::from(header.bound) > bound {
                 return Err(Error::Parameter(format!(
                     "an error of {bound} cannot be held: rounding the coordinates to {} already costs {}",
@@ -196,13 +219,11 @@ fn place(accuracy: Accuracy, draft: Header, mesh: &Mesh, used: &HalfEdges) -> Re
     }
 }
 
-fn on_lattice(form: LatticeForm, draft: Header, mesh: &Mesh, used: &HalfEdges) -> Result<(Header, Vec<[i32; 3]>)> {
+fn on_lattice(form: LatticeForm, draft: Header, mesh: &Mesh) -> Result<(Header, Vec<[i32; 3]>)> {
     let lattice = form.lattice();
-    let is_used = |v: usize| used.outgoing(v as u32).is_some();
     let index = |p: &[f64; 3]| [0, 1, 2].map(|axis| lattice.index(p[axis], axis));
     let indices: Vec<[f64; 3]> = mesh.positions.iter().map(index).collect();
-    let used_indices = indices.iter().enumerate().filter(|&(v, _)| is_used(v)).map(|(_, q)| *q);
-    let [low, high] = bounding_box(used_indices).ok_or(MeshDefect::Empty)?;
+    let [low, high] = bounding_box(indices.iter().copied()).ok_or(MeshDefect::Empty)?;
     let low = if let LatticeForm::Box { .. } = form { [0.0; 3] } else { low };
     let reach = [0, 1, 2].map(|i| high[i] - low[i]);
     if reach.iter().any(|&r| !(0.0..=MAX_EXTENT as f64).contains(&r)) || low.iter().any(|l| l.abs() > (1_i64 << 52) as f64) {
@@ -214,7 +235,7 @@ fn on_lattice(form: LatticeForm, draft: Header, mesh: &Mesh, used: &HalfEdges) -
     }
     let mut header = Header { lattice: form, low: low.map(|l| l as i64), extent: reach.map(|r| r as i32), ..draft };
     let positions: Vec<[i32; 3]> = indices.iter().map(|q| [0, 1, 2].map(|i| (q[i] - low[i]) as i32)).collect();
-    let moved = positions.iter().zip(&mesh.positions).enumerate().filter(|&(v, _)| is_used(v)).map(|(_, (q, p))| {
+    let moved = positions.iter().zip(&mesh.positions).map(|(q, p)| {
         let decoded = header.position(&lattice, *q);
         [0, 1, 2].map(|i| (decoded[i] - p[i]) * (decoded[i] - p[i])).iter().sum::<f64>()
     });
@@ -230,20 +251,10 @@ fn round_up(x: f64) -> f32 {
 }
 
 /// What the file does not hold.
-fn notes(mesh: &Mesh, used: usize) -> Vec<String> {
+fn notes(mesh: &Mesh) -> Vec<String> {
     let mut notes = Vec::new();
-    let isolated = mesh.positions.len() - used;
-    if isolated > 0 {
-        notes.push(format!("{isolated} vertices that no face uses were left out"));
-    }
-    if !mesh.faces.are_triangles() {
-        notes.push("polygons were cut into triangles, fanned from their first corner".into());
-    }
     for attribute in &mesh.attributes {
         notes.push(format!("attribute \"{}\" was left out", attribute.name));
-    }
-    if !mesh.labels.is_empty() {
-        notes.push("names of objects, groups and materials were left out".into());
     }
     notes
 }

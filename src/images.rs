@@ -17,10 +17,15 @@ use crate::mesh::HalfEdges;
 use crate::plane::{Levels, MAX_DEPTH, Plane, Planes, Shape};
 use crate::task::Task;
 
-/// An image file before it is packed: chunks, in order.
+/// An image file before it is packed.
 #[cfg(feature = "encode")]
 pub(crate) struct Streams {
+    /// Chunks, in order.
     pub(crate) chunks: Vec<([u8; 4], Vec<u8>)>,
+    /// The triangles as they come back.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// The vertex of the mesh that each vertex of them was.
+    pub(crate) order: Vec<u32>,
 }
 
 /// What an encoder may choose.
@@ -57,14 +62,10 @@ pub(crate) fn write_mbcim(
     let regions = words.origin.len() as u32;
     let map = write_map(&words.blocks, regions, &mut unlimited)?;
 
-    let Rebuilt { triangles, vertex, vertices } = &words.rebuilt;
-    let mut colours = vec![[0; 3]; *vertices as usize];
-    for (&new, &old) in vertex.iter().zip(&words.origin) {
-        if let Some(colour) = colours.get_mut(new as usize) {
-            *colour = positions[old as usize];
-        }
-    }
-    let meetings = Meetings::new(triangles, colours.len());
+    let Rebuilt { triangles, vertex, vertices } = words.rebuilt;
+    let order = order(vertices, vertex.into_iter().zip(words.origin));
+    let colours: Vec<[i32; 3]> = order.iter().map(|&v| positions[v as usize]).collect();
+    let meetings = Meetings::new(&triangles, colours.len());
     let mut rest: u32 = options.stages.iter().map(|&b| u32::from(b)).sum();
     let mut coarse: Vec<[i32; 3]> = colours.iter().map(|c| c.map(|x| x >> rest)).collect();
     let mut coder = BitWriter::default();
@@ -78,7 +79,19 @@ pub(crate) fn write_mbcim(
         stage::code(&mut coder, &meetings, bits.into(), extent.map(|e| e >> rest), &mut coarse, Some(&finer))?;
         chunks.push((MbcimChunk::STAGE, coder.finish()));
     }
-    Ok(Streams { chunks })
+    Ok(Streams { chunks, triangles, order })
+}
+
+/// What each of the new vertices was, from pairs of both (those of dummies included).
+#[cfg(feature = "encode")]
+fn order(vertices: u32, pairs: impl Iterator<Item = (u32, u32)>) -> Vec<u32> {
+    let mut order = vec![0; vertices as usize];
+    for (new, old) in pairs {
+        if let Some(place) = order.get_mut(new as usize) {
+            *place = old;
+        }
+    }
+    order
 }
 
 /// Searches for a small image of a mesh as a decoder will have it.
@@ -191,7 +204,17 @@ pub(crate) fn write_planes(
         walls,
         samples: &samples,
     };
-    Ok(Streams { chunks: vec![(PlanesChunk::TAG, chunk.write())] })
+    // The regions as a reader finds and numbers them.
+    let same_colour = |p, q| pixel(p) == pixel(q);
+    let found = regions(shape.height(), shape.width(), &chunk.side.blocks, &chunk.walls, same_colour);
+    let (entries, count) = found.ok_or_else(|| Error::Parameter("the image does not hold the surface".into()))?;
+    let matrix = VMatrix::new(shape.width(), entries);
+    let triangles = matrix_triangles(&matrix, count, &chunk.side, &mut unlimited())?;
+    let rebuilt = rebuild(triangles, count, &chunk.side, &mut unlimited())?;
+    let now = matrix.entries().iter().map(|&region| rebuilt.vertex[region as usize]);
+    let then = image.matrix.entries().iter().map(|&region| image.origin[region as usize]);
+    let order = order(rebuilt.vertices, now.zip(then));
+    Ok(Streams { chunks: vec![(PlanesChunk::TAG, chunk.write())], triangles: rebuilt.triangles, order })
 }
 
 /// The position of every region; where a hole was filled, the mean of those around it.

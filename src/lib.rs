@@ -22,7 +22,8 @@
 //! ```text
 //!  6  main.rs  cli                      talks: flags, stderr, exit codes. Computes nothing.
 //!  5  eval  picture                     every measure, the same-connectivity question, reports
-//!  4  encode  decode  options  images   the two doors; the only files that see both wings
+//!  4  encode  decode  options           the two doors; the only files that see both wings
+//!     images  extras                    what both of them say
 //!     ─────────────────────────────┬──────────────────────────────────────────────
 //!       SURFACE WING               │            BYTE WING
 //!       (never sees a byte)        │            (never sees a triangle)
@@ -49,6 +50,8 @@ mod encode;
 mod entropy;
 mod error;
 pub mod eval;
+#[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
+mod extras;
 #[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod format;
 mod geom;

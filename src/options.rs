@@ -22,6 +22,8 @@ pub struct EncodeOptions {
     pub codec: Codec,
     /// Images of vertices: how small, and in which stages.
     pub image: ImageChoices,
+    /// Whether vertices, faces and the corners of each face come back in the order they had. Default: no.
+    pub keep_order: bool,
 }
 
 /// How a mesh becomes bytes.
@@ -84,6 +86,7 @@ impl EncodeOptions {
             effort: Effort::default(),
             codec: Codec::default(),
             image: ImageChoices::default(),
+            keep_order: false,
         }
     }
 
@@ -133,6 +136,12 @@ impl EncodeOptions {
     /// The same with another choice for images of vertices.
     pub fn image(mut self, image: ImageChoices) -> Self {
         self.image = image;
+        self
+    }
+
+    /// The same with or without the order of vertices, faces and first corners; the part `order` of the file is what it costs.
+    pub fn keep_order(mut self, keep: bool) -> Self {
+        self.keep_order = keep;
         self
     }
 

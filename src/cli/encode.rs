@@ -60,6 +60,9 @@ pub(super) struct Encode {
     /// Time for size. Every file decodes with the same decoder.
     #[arg(long, value_enum, default_value = "default")]
     effort: EffortName,
+    /// Also store the order of vertices, faces and first corners; `info` states what it costs.
+    #[arg(long)]
+    keep_order: bool,
     /// The format of the mesh: obj, ply, off, stl, glb [default: by extension or content].
     #[arg(long, value_name = "FORMAT", value_parser = input::format)]
     format: Option<Format>,
@@ -127,6 +130,7 @@ impl Encode {
             None => self.stage_bits.clone(),
         };
         options = options.image(image);
+        options = options.keep_order(self.keep_order);
         if let Some(bits) = self.bits {
             options = options.bits(bits);
         } else if let Some(step) = self.step {

@@ -76,13 +76,13 @@ pub fn verify(bytes: &[u8], limits: Limits, original: Option<&Mesh>, task: Task<
     if !found.add("indices", indices(&mesh)) {
         return Ok(found);
     }
-    found.add("manifold", manifold(&mesh));
+    if info.manifold {
+        found.add("manifold", manifold(&mesh));
+    }
     found.add("box", inside_box(info, &mesh));
     task.step(0.5)?;
     if let Some(original) = original {
-        let triangles = original.faces.triangles();
-        let original = Mesh::from_triangles(original.positions.clone(), triangles);
-        promises(info, &original, &mesh, &mut found, task)?;
+        promises(info, original, &mesh, &mut found, task)?;
     }
     Ok(found)
 }

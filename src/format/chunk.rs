@@ -77,6 +77,11 @@ impl<'a> Chunks<'a> {
         }
     }
 
+    /// The one chunk of this tag, if there is any.
+    pub(crate) fn optional(&self, tag: [u8; 4]) -> Result<Option<Chunk<'a>>> {
+        if self.0.iter().any(|chunk| chunk.tag == tag) { self.one(tag).map(Some) } else { Ok(None) }
+    }
+
     /// Refuses critical chunks that are not in `known`, and a file that does not begin with the first of them.
     pub(crate) fn check_known(&self, known: &[[u8; 4]]) -> Result<()> {
         if self.0.first().map(|chunk| chunk.tag) != known.first().copied() {

@@ -18,6 +18,8 @@ pub(crate) struct Header {
     pub(crate) codec: u8,
     /// Whether decoded positions are `f64` and not `f32`.
     pub(crate) double: bool,
+    /// Which optional chunks follow, so that none can be cut off unnoticed.
+    pub(crate) extras: Extras,
     pub(crate) vertices: u32,
     pub(crate) faces: u32,
     pub(crate) lattice: LatticeForm,
@@ -27,6 +29,25 @@ pub(crate) struct Header {
     pub(crate) extent: [i32; 3],
     /// No point of either surface is farther than this from the other, in the units of the mesh.
     pub(crate) bound: f32,
+}
+
+/// Which chunks a file has beside those that every file has.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Extras {
+    pub(crate) fixes: bool,
+    pub(crate) order: bool,
+    pub(crate) labels: bool,
+}
+
+impl Extras {
+    #[cfg(feature = "encode")]
+    fn bits(self) -> u8 {
+        u8::from(self.fixes) | u8::from(self.order) << 1 | u8::from(self.labels) << 2
+    }
+
+    fn from_bits(bits: u8) -> Self {
+        Self { fixes: bits & 1 != 0, order: bits & 2 != 0, labels: bits & 4 != 0 }
+    }
 }
 
 /// How the lattice is written down.
@@ -80,7 +101,7 @@ impl Header {
     pub(crate) fn write(&self) -> Vec<u8> {
         let mut w = Writer::default();
         w.u8(self.codec);
-        w.u8(u8::from(self.double));
+        w.u8(u8::from(self.double) | self.extras.bits() << 1);
         w.varint(self.vertices.into());
         w.signed(i64::from(self.faces) - 2 * i64::from(self.vertices));
         match self.lattice {
@@ -105,11 +126,11 @@ impl Header {
 
     pub(crate) fn read(mut r: Reader<'_>) -> Result<Self> {
         let codec = r.u8("the codec")?;
-        let double = match r.u8("the number type")? {
-            0 => false,
-            1 => true,
-            other => return Err(r.error(format!("a number type of 0 or 1, found {other}"))),
-        };
+        let kind = r.u8("the number type")?;
+        if kind > 15 {
+            return Err(r.error(format!("a number type of 0 or 1, and flags of known chunks, found {kind}")));
+        }
+        let (double, extras) = (kind & 1 != 0, Extras::from_bits(kind >> 1));
         let vertices = r.varint("the vertices")?;
         let faces = (vertices as i64).saturating_mul(2).saturating_add(r.signed("the faces")?);
         let (Ok(vertices), Ok(faces)) = (u32::try_from(vertices), u32::try_from(faces)) else {
@@ -148,7 +169,7 @@ impl Header {
         }
         let bound = r.f32("the bound")?;
         r.finish()?;
-        let header = Self { codec, double, vertices, faces, lattice, low, extent, bound };
+        let header = Self { codec, double, extras, vertices, faces, lattice, low, extent, bound };
         header.check(&r)?;
         Ok(header)
     }

@@ -4,7 +4,9 @@
 //! know it skips if the chunk's tag begins with a lower-case letter, and refuses otherwise.
 
 mod chunk;
+mod fixes;
 mod header;
+mod labels;
 mod mbcim;
 mod planes;
 mod recipe;
@@ -14,8 +16,13 @@ mod surface;
 #[cfg(feature = "encode")]
 pub(crate) use chunk::ChunkWriter;
 pub(crate) use chunk::{Chunks, VERSION};
-pub(crate) use header::{Header, LatticeForm, MAX_BITS, MAX_EXTENT};
+pub(crate) use fixes::FixesChunk;
+pub(crate) use header::{Extras, Header, LatticeForm, MAX_BITS, MAX_EXTENT};
+pub(crate) use labels::LabelsChunk;
 pub(crate) use mbcim::MbcimChunk;
 pub(crate) use planes::PlanesChunk;
 pub(crate) use recipe::RecipeChunk;
 pub(crate) use surface::SurfaceChunk;
+
+/// The order that a mesh had (spec/any-mesh.md, "ORDR"); the payload is one stream.
+pub(crate) const ORDER_TAG: [u8; 4] = *b"ORDR";

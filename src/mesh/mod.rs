@@ -4,6 +4,8 @@ mod attribute;
 mod boundary;
 mod corners;
 mod cut;
+#[cfg(feature = "encode")]
+mod front;
 pub(crate) mod half_edge;
 pub(crate) mod io;
 #[cfg(feature = "png")]
@@ -16,6 +18,8 @@ pub use attribute::{Attribute, AttributeKind, Domain, Label, LabelKind, Scalar};
 pub(crate) use boundary::{boundary_loops, close};
 pub(crate) use corners::Corners;
 pub(crate) use cut::{CutGraph, Paths, part};
+#[cfg(feature = "encode")]
+pub(crate) use front::Front;
 pub(crate) use half_edge::{HalfEdges, NONE, next, prev};
 pub use io::{Format, Loaded};
 #[cfg(feature = "png")]

@@ -92,7 +92,7 @@ pub struct Inspection {
     pub duplicate_positions: Places<u32>,
     /// Vertices with a coordinate that is not a finite number.
     pub non_finite_vertices: Places<u32>,
-    /// Why the mesh is not an oriented manifold of finite triangles; `None` if it is.
+    /// Why the faces, cut into fans of triangles, are not an oriented manifold of finite triangles; `None` if they are.
     pub obstacle: Option<MeshDefect>,
 }
 
@@ -338,6 +338,11 @@ impl Inspection {
         self.is_manifold() && self.faces > 0 && self.boundary_edges == 0
     }
 
+    /// Whether method `cgim` takes the mesh as it is: it has vertices, finite ones, and its faces name no others.
+    pub fn can_be_encoded(&self) -> bool {
+        self.vertices > 0 && self.non_finite_vertices.count + self.broken_faces.count == 0
+    }
+
     /// What repairing would do, a sentence without full stop for each step; nothing if there is nothing to do.
     pub fn repairs(&self) -> Vec<String> {
         let mut steps = Vec::new();
@@ -448,7 +453,12 @@ impl fmt::Display for Inspection {
         }
         match &self.obstacle {
             None => writeln!(f, "\nEvery method takes oriented manifolds: this mesh can be encoded as it is."),
-            Some(why) => writeln!(f, "\nMethods that want an oriented manifold do not take it as it is: {why}."),
+            Some(why) if self.can_be_encoded() => writeln!(
+                f,
+                "\nMethod cgim takes it as it is, and stores beside the surface what makes it no oriented manifold. Methods that \
+                 sample the surface anew do not: {why}."
+            ),
+            Some(why) => writeln!(f, "\nIt cannot be encoded: {why}."),
         }?;
         match self.repairs().as_slice() {
             [] => Ok(()),

@@ -21,7 +21,7 @@ pub struct VertexImage {
     pub rows: usize,
     /// The vertex of each pixel, row by row; [`VertexImage::NONE`] where a hole was filled.
     pub vertices: Vec<u32>,
-    /// The mesh that the vertices are of.
+    /// The oriented manifold that the vertices are of; where the mesh is none, some of its vertices are there several times.
     pub mesh: Mesh,
     /// Which pixels belong to vertices that a cut doubled.
     doubled: Vec<bool>,
@@ -36,7 +36,7 @@ impl VertexImage {
     /// # Errors
     /// As [`Decoder::decode_with`], or a file that speaks of another mesh.
     pub fn of_file(decoder: &Decoder<'_>, task: Task<'_>) -> Result<Self> {
-        let mesh = decoder.decode_with(task)?;
+        let mesh = decoder.decode_surface(task)?;
         let half_edges = HalfEdges::new(mesh.positions.len(), mesh.faces.triangles())?;
         let image = match decoder.recipe() {
             Some(chunk) => {

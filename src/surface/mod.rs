@@ -5,11 +5,14 @@
 //! normative text.
 
 mod gates;
+pub(crate) mod labels;
 mod learned;
 mod order;
 #[cfg(feature = "encode")]
 mod original;
 mod plain;
+pub(crate) mod records;
+pub(crate) mod renumber;
 mod residual;
 mod stretch;
 mod topology;
@@ -18,7 +21,7 @@ mod walk;
 
 #[cfg(feature = "encode")]
 pub(crate) use topology::Filled;
-pub(crate) use topology::{Census, Surface};
+pub(crate) use topology::{Census, Skin, Surface};
 
 use crate::entropy::{BitCoder, BitReader, BitWriter};
 use crate::error::Result;
@@ -50,6 +53,17 @@ pub(crate) struct Streams {
     pub(crate) positions: Vec<Vec<u8>>,
 }
 
+/// How a mesh was walked: what its half-edges and vertices have become.
+#[derive(Debug)]
+#[cfg(feature = "encode")]
+pub(crate) struct Walked {
+    pub(crate) surface: Surface,
+    /// The vertex of the mesh for every vertex met, those that fill holes left out.
+    pub(crate) order: Vec<u32>,
+    /// The half-edge of the mesh for the first of every face walked, those that fill holes included.
+    pub(crate) faces: Vec<u32>,
+}
+
 /// Ranges of vertices (those of holes included) that are coded independently of each other.
 pub(crate) fn ranges(census: Census) -> Vec<std::ops::Range<u32>> {
     let vertices = census.vertices + census.holes;
@@ -61,7 +75,7 @@ pub(crate) fn ranges(census: Census) -> Vec<std::ops::Range<u32>> {
 /// Memory and steps that reading takes at most.
 pub(crate) fn cost(census: Census) -> (u64, u64) {
     let vertices = u64::from(census.vertices) + u64::from(census.holes);
-    (vertices * (walk::BYTES_A_VERTEX + learned::BYTES_A_VERTEX), vertices * (6 + learned::STEPS_A_VERTEX))
+    (walk::memory(census) + vertices * learned::BYTES_A_VERTEX, vertices * (6 + learned::STEPS_A_VERTEX))
 }
 
 /// Writes a surface, and the lattice positions of its vertices (`positions[v]` of vertex v of the mesh).
@@ -72,12 +86,12 @@ pub(crate) fn write(
     extent: [i32; 3],
     effort: Effort,
     task: Task<'_>,
-) -> Result<Streams> {
+) -> Result<(Streams, Walked)> {
     let mut budget = Budget::new(crate::Limits::default().memory(u64::MAX).work(u64::MAX).vertices(u64::MAX));
     let mut coder = BitWriter::default();
     let mut guide = original::Original::new(filled);
     let surface = walk::walk(&mut coder, &mut guide, filled.census, effort, &mut budget, task)?;
-    let order = guide.order;
+    let original::Original { order, faces, .. } = guide;
     let connectivity = coder.finish();
 
     let mut met = order.iter();
@@ -86,16 +100,17 @@ pub(crate) fn write(
         .iter()
         .map(|&hole| if hole { [0; 3] } else { met.next().map_or([0; 3], |&v| positions[v as usize]) })
         .collect();
-    let positions = Positions::new(&surface, extent, effort);
+    let coded = Positions::new(&surface, extent, effort);
     let ranges = ranges(filled.census);
     let streams = par::map(ranges.len(), |i| {
         let range = ranges[i].clone();
         let mut local = local[range.start as usize..range.end as usize].to_vec();
         let mut coder = BitWriter::default();
-        positions.code(&mut coder, range, &mut local, task)?;
+        coded.code(&mut coder, range, &mut local, task)?;
         Ok(coder.finish())
     });
-    Ok(Streams { connectivity, positions: streams.into_iter().collect::<Result<_>>()? })
+    let streams = Streams { connectivity, positions: streams.into_iter().collect::<Result<_>>()? };
+    Ok((streams, Walked { surface, order, faces }))
 }
 
 /// Reads what [`write`] wrote: the surface, and the lattice position of each of its vertices in order.

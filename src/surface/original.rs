@@ -14,6 +14,8 @@ pub(super) struct Original<'a> {
     first_unwalked: usize,
     /// The vertices of the mesh in the order in which they were met, those that fill holes left out.
     pub(super) order: Vec<u32>,
+    /// For each face walked, the half-edge of the mesh that became its first.
+    pub(super) faces: Vec<u32>,
 }
 
 impl<'a> Original<'a> {
@@ -25,6 +27,7 @@ impl<'a> Original<'a> {
             node_at: vec![NONE; 3 * mesh.faces()],
             first_unwalked: 0,
             order: Vec::with_capacity(mesh.census.vertices as usize),
+            faces: Vec::with_capacity(mesh.faces()),
         }
     }
 
@@ -62,6 +65,7 @@ impl Guide for Original<'_> {
 
     fn mark(&mut self, h: u32) {
         self.is_walked[h as usize / 3] = true;
+        self.faces.push(h);
     }
 
     fn pin(&mut self, h: u32, node: u32) {

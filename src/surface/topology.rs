@@ -3,9 +3,9 @@
 //! A hole is filled by one more vertex (a *hole vertex*), joined to its whole boundary loop, so that
 //! the walk meets no boundary. Faces at hole vertices are no faces of the mesh.
 
-#[cfg(feature = "encode")]
-use crate::mesh::HalfEdges;
+use crate::error::Result;
 use crate::mesh::half_edge::prev;
+use crate::mesh::{HalfEdges, NONE};
 
 /// A closed oriented surface, in the order in which a walk met its vertices and faces.
 ///
@@ -41,6 +41,30 @@ impl Surface {
         outgoing
     }
 
+    /// The faces of the mesh, and how they hang together.
+    pub(crate) fn skin(&self) -> Skin {
+        let mut moved = vec![NONE; self.triangles.len()];
+        let faces = self.real_faces();
+        for (new, &old) in faces.iter().enumerate() {
+            moved[old as usize] = new as u32;
+        }
+        let opposite = faces
+            .iter()
+            .flat_map(|&f| 3 * f..3 * f + 3)
+            .map(|h| {
+                let g = self.opposite[h as usize];
+                if moved[g as usize / 3] == NONE { NONE } else { 3 * moved[g as usize / 3] + g % 3 }
+            })
+            .collect();
+        Skin { triangles: self.real_triangles(), opposite }
+    }
+
+    /// The faces that are faces of the mesh.
+    pub(crate) fn real_faces(&self) -> Vec<u32> {
+        let is_real = |f: &u32| self.triangles[*f as usize].iter().all(|&v| !self.is_hole[v as usize]);
+        (0..self.triangles.len() as u32).filter(is_real).collect()
+    }
+
     /// The faces of the mesh, its vertices numbered in the order in which they were met.
     pub(crate) fn real_triangles(&self) -> Vec<[u32; 3]> {
         let mut number = 0;
@@ -57,6 +81,49 @@ impl Surface {
             .filter(|t| t.iter().all(|&v| !self.is_hole[v as usize]))
             .map(|t| t.map(|v| numbers[v as usize]))
             .collect()
+    }
+}
+
+/// A surface without the faces that fill its holes.
+#[derive(Debug, Default)]
+pub(crate) struct Skin {
+    /// The vertices of each face, numbered as they were met, those that fill holes left out.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// [`NONE`] where there is a hole.
+    pub(crate) opposite: Vec<u32>,
+}
+
+impl Skin {
+    /// Bytes a face of the surface.
+    pub(crate) const BYTES_A_FACE: u64 = 80;
+
+    /// Triangles of which only the corners matter.
+    pub(crate) fn plain(triangles: Vec<[u32; 3]>) -> Self {
+        Self { triangles, opposite: Vec::new() }
+    }
+
+    /// The skin of triangles that are an oriented manifold.
+    ///
+    /// # Errors
+    /// If they are none.
+    pub(crate) fn of_triangles(vertices: usize, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        let mesh = HalfEdges::new(vertices, triangles)?;
+        let opposite = (0..3 * mesh.triangles().len() as u32).map(|h| mesh.opposite(h).unwrap_or(NONE)).collect();
+        Ok(Self { triangles: mesh.triangles().to_vec(), opposite })
+    }
+
+    #[inline]
+    pub(super) fn from(&self, h: u32) -> u32 {
+        self.triangles[h as usize / 3][h as usize % 3]
+    }
+
+    /// Which vertices lie on the boundary.
+    pub(super) fn boundary_vertices(&self, vertices: usize) -> Vec<bool> {
+        let mut is_on = vec![false; vertices];
+        for h in (0..self.opposite.len() as u32).filter(|&h| self.opposite[h as usize] == NONE) {
+            is_on[self.from(h) as usize] = true;
+        }
+        is_on
     }
 }
 
@@ -97,8 +164,6 @@ pub(crate) struct Filled {
 impl Filled {
     /// Fills every boundary loop. O(n). Vertices that no face uses are in `mesh`, but not counted.
     pub(crate) fn new(mesh: &HalfEdges) -> Self {
-        use crate::mesh::half_edge::NONE;
-
         let first_hole = mesh.vertices() as u32;
         let mut triangles = mesh.triangles().to_vec();
         let mut opposite: Vec<u32> = (0..3 * triangles.len() as u32).map(|h| mesh.opposite(h).unwrap_or(NONE)).collect();

@@ -85,10 +85,10 @@ const DEAD: u32 = u32::MAX;
 /// Bytes of a face and its half-edges.
 const BYTES_A_FACE: u64 = 12 + 12;
 /// Bytes of a vertex of the closed surface, with two faces.
-pub(super) const BYTES_A_VERTEX: u64 = 2 * BYTES_A_FACE + 5 + 28 + 24;
+const BYTES_A_VERTEX: u64 = 2 * BYTES_A_FACE + 5 + 28 + 24;
 
 /// The memory that a walk needs. Handles make faces that no vertex has paid for.
-fn memory(census: Census) -> u64 {
+pub(super) fn memory(census: Census) -> u64 {
     let vertices = u64::from(census.vertices) + u64::from(census.holes);
     vertices * BYTES_A_VERTEX + census.closed_faces().saturating_sub(2 * vertices) * BYTES_A_FACE
 }

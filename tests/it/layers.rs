@@ -49,6 +49,7 @@ const ROOMS: &[(&str, u32, Wing)] = &[
     // 4: the doors; the options and what both doors say lie a step below the doors themselves.
     ("options", 40, Both),
     ("images", 40, Both),
+    ("extras", 40, Both),
     ("decode", 41, Both),
     ("encode", 42, Both),
     // 5, 6

@@ -40,7 +40,8 @@ impl From<&Inspection> for Json {
         members.push(("flat_triangles", found.flat_triangles.into()));
         members.push(("box", found.bounds.map_or(Json::Null, |b| Json::list(b.map(Json::list)))));
         members.push(("diag", found.diagonal.into()));
-        members.push(("cgim", found.obstacle.map_or_else(|| true.into(), |why| why.to_string().into())));
+        members.push(("cgim", found.can_be_encoded().into()));
+        members.push(("manifold", found.obstacle.map_or_else(|| true.into(), |why| why.to_string().into())));
         members.push(("repairs", Json::list(found.repairs())));
         let places = faults.into_iter().filter(|(_, (count, _))| *count > 0).map(|(name, (_, first))| (name, first));
         members.push(("places", Json::object(places)));

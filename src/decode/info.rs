@@ -1,0 +1,142 @@
+//! What a file says of itself before it is decoded.
+
+use super::{Body, census};
+use crate::error::{Error, Result};
+use crate::extras::Parts;
+use crate::format::{Chunks, Header, LatticeForm, RecipeChunk};
+use crate::images;
+use crate::mesh::Scalar;
+use crate::surface::{self, Effort};
+
+/// What a file says of itself before it is decoded.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Info {
+    /// The version of the format.
+    pub version: u8,
+    /// `cgim`: the connectivity is kept exactly.
+    pub method: &'static str,
+    /// How the mesh became bytes.
+    pub codec: &'static str,
+    /// How much time was given for the size.
+    pub effort: Effort,
+    /// Vertices of the mesh.
+    pub vertices: u32,
+    /// Faces of the mesh.
+    pub faces: u32,
+    /// The lowest and the highest corner of its box.
+    pub bounds: [[f64; 3]; 2],
+    /// Where the lattice of the positions begins.
+    pub origin: [f64; 3],
+    /// The distance of lattice points.
+    pub step: f64,
+    /// log₂ of the lattice points on the longest side of the box, if the lattice was chosen so.
+    pub bits: Option<u32>,
+    /// No point of the original surface is farther than this from the decoded one, nor the other way round.
+    pub bound: f64,
+    /// The number type of the positions.
+    pub precision: Scalar,
+    /// Whether the mesh is an oriented manifold of triangles that uses all its vertices.
+    pub manifold: bool,
+    /// The chunks in the order of the file.
+    pub chunks: Vec<ChunkInfo>,
+    /// The bytes by what they are for; they add up to the size of the file.
+    pub parts: Vec<(&'static str, u64)>,
+    /// Rows and columns of the image of vertices, if the file says how to make one.
+    pub image: Option<[u32; 2]>,
+    /// Bits that each stage after the first adds to every coordinate; one entry a stage.
+    pub stages: Vec<u8>,
+    /// How many of the stages the file still has.
+    pub stages_present: usize,
+    /// Bytes of memory that decoding takes at most.
+    pub memory: u64,
+    /// Steps of work that decoding takes, as far as the header tells.
+    pub work: u64,
+}
+
+/// A chunk of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ChunkInfo {
+    /// Its four-letter tag.
+    pub tag: String,
+    /// Its bytes, tag, length and checksum included.
+    pub bytes: u64,
+}
+
+impl Info {
+    pub(super) fn new(
+        bytes: &[u8],
+        chunks: &Chunks<'_>,
+        header: &Header,
+        body: &Body<'_>,
+        beside: &Parts<'_>,
+        recipe: Option<&RecipeChunk>,
+    ) -> Result<Self> {
+        let lattice = header.lattice.lattice();
+        let bits = if let LatticeForm::Box { bits, .. } = header.lattice { Some(bits) } else { None };
+        let (vertices, faces) = beside.surface_size(header);
+        let mut triangles = u64::from(faces);
+        let (codec, effort, connectivity, positions, mut cost) = match body {
+            Body::Surface(chunk) => {
+                let effort = match chunk.effort {
+                    0 => Effort::Fast,
+                    1 => Effort::Default,
+                    2 => Effort::Best,
+                    other => return Err(Error::Unsupported { what: "effort", id: other.to_string() }),
+                };
+                let connectivity = chunk.connectivity.len() as u64;
+                let census = census(vertices, chunk);
+                triangles = census.closed_faces();
+                ("surface", effort, connectivity, chunk.positions_size(), surface::cost(census))
+            }
+            Body::Mbcim { chunk, stages } => {
+                let positions = chunk.colours.len() + stages.iter().map(|stage| stage.len()).sum::<usize>();
+                let connectivity = chunk.map.len() + chunk.side_size;
+                ("mbcim", Effort::Default, connectivity as u64, positions as u64, images::cost(vertices, faces))
+            }
+            Body::Planes { chunk, name, .. } => {
+                let cost = images::planes_cost(chunk, faces);
+                (*name, Effort::Default, chunk.side_size as u64, chunk.samples.len() as u64, cost)
+            }
+        };
+        let (stages, stages_present) = match body {
+            Body::Mbcim { chunk, stages } => (chunk.stages.clone(), stages.len().min(chunk.stages.len())),
+            _ => (Vec::new(), 0),
+        };
+        let image = match body {
+            Body::Planes { chunk, .. } => Some([chunk.rows, chunk.columns]),
+            _ => recipe.map(|chunk| [chunk.rows, chunk.columns]),
+        };
+        let mut parts = vec![("header", 0), ("connectivity", connectivity), ("positions", positions)];
+        parts.extend(beside.sizes());
+        parts[0].1 = bytes.len() as u64 - parts.iter().map(|part| part.1).sum::<u64>();
+        let (memory, work) = beside.cost(header, triangles);
+        cost = (cost.0.saturating_add(memory), cost.1.saturating_add(work));
+        Ok(Self {
+            version: crate::format::VERSION,
+            method: "cgim",
+            codec,
+            effort,
+            vertices: header.vertices,
+            faces: header.faces,
+            bounds: [header.corner(false), header.corner(true)],
+            origin: lattice.origin,
+            step: lattice.step,
+            bits,
+            bound: header.bound.into(),
+            precision: if header.double { Scalar::F64 } else { Scalar::F32 },
+            manifold: beside.fixes.is_none(),
+            chunks: chunks
+                .iter()
+                .map(|chunk| ChunkInfo { tag: chunk.tag.escape_ascii().to_string(), bytes: chunk.size })
+                .collect(),
+            parts,
+            image,
+            stages,
+            stages_present,
+            memory: cost.0,
+            work: cost.1,
+        })
+    }
+}
