@@ -28,11 +28,11 @@
 //!       SURFACE WING               │            BYTE WING
 //!       (never sees a byte)        │            (never sees a triangle)
 //!  3  surface ── names both ───────┼─────────── mesh and entropy
-//!     cgim                         │   format
-//!  2  mesh  distance               │   codec  entropy
+//!     cgim  gim                    │   format
+//!  2  mesh  distance  param        │   codec  entropy
 //!     ─────────────────────────────┴──────────────────────────────────────────────
 //!  1  plane                             the hall: lattice, planes
-//!  0  geom                         │   bits
+//!  0  geom  sparse                 │   bits
 //!     error  limits  task  par          the ground: imports nothing above
 //! ```
 
@@ -55,6 +55,9 @@ mod extras;
 #[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod format;
 mod geom;
+#[cfg(feature = "encode")]
+#[allow(dead_code, unused_imports)] // until the doors move in
+mod gim;
 #[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod images;
 mod limits;
@@ -63,10 +66,16 @@ mod mesh;
 #[cfg(feature = "encode")]
 mod options;
 mod par;
+#[cfg(feature = "encode")]
+#[allow(dead_code, unused_imports)] // until the doors move in
+mod param;
 #[cfg(all(feature = "png", feature = "encode"))]
 pub mod picture;
 #[allow(dead_code, unused_imports)] // until both wings use all of it
 mod plane;
+#[cfg(feature = "encode")]
+#[allow(dead_code, unused_imports)] // until the doors move in
+mod sparse;
 #[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod surface;
 mod task;

@@ -73,6 +73,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("clap_complete", &["cli"]),
     ("crc32fast", &["bits", "format"]),
     ("exr", &["codec"]),
+    ("faer", &["sparse"]),
     ("glam", &["geom", "mesh", "distance", "param", "simplify", "cgim", "gim", "resize", "eval"]),
     ("hayro_jpeg2000", &["codec"]),
     ("image", &["plane"]),

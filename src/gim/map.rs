@@ -1,0 +1,114 @@
+//! One chart of a surface, ready to be sampled.
+
+use glam::{DVec2, DVec3};
+
+use super::sampling::{Sampling, regular};
+use super::{Adjust, refused};
+use crate::error::Result;
+use crate::geom::{Aabb, Bvh};
+use crate::mesh::HalfEdges;
+use crate::par;
+use crate::param::{self, Chart, Param};
+use crate::plane::{GeometryImage, Gluing};
+use crate::task::Task;
+
+/// Lengths of about one around the origin, whatever the units of the mesh.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    centre: DVec3,
+    /// A power of two, so that scaling is exact.
+    scale: f64,
+}
+
+impl Frame {
+    fn around(positions: &[[f64; 3]]) -> Self {
+        let aabb = Aabb::of(positions.iter().map(|&p| DVec3::from(p)));
+        let reach = if aabb.is_empty() { 0.0 } else { (aabb.hi - aabb.lo).max_element() };
+        let exponent = if reach > 0.0 && reach.is_finite() { reach.log2().ceil().clamp(-1000.0, 1000.0) } else { 0.0 };
+        Self { centre: if reach.is_finite() { aabb.centre() } else { DVec3::ZERO }, scale: (-exponent).exp2() }
+    }
+
+    fn inside(&self, p: [f64; 3]) -> DVec3 {
+        (DVec3::from(p) - self.centre) * self.scale
+    }
+
+    fn outside(&self, p: DVec3) -> [f64; 3] {
+        (p / self.scale + self.centre).to_array()
+    }
+}
+
+/// A chart and what finds its triangles in the square.
+pub(crate) struct Map {
+    chart: Chart,
+    frame: Frame,
+    /// The triangles that cover the square, in the plane z = 0.
+    cover: Bvh,
+    /// The chart's triangle that each of them is a copy of.
+    origin: Vec<u32>,
+}
+
+impl Map {
+    /// Flattens a connected surface of genus 0, closed or with one boundary loop.
+    pub(crate) fn new(mesh: &HalfEdges, positions: &[[f64; 3]], param: Param, task: &Task<'_>) -> Result<Self> {
+        let frame = Frame::around(positions);
+        let scaled: Vec<DVec3> = positions.iter().map(|&p| frame.inside(p)).collect();
+        let chart = param::flatten(mesh.clone(), scaled, param, task).map_err(|e| match e {
+            crate::error::Error::Parameter(why) => refused(why),
+            other => other,
+        })?;
+        let (cover, origin) = chart.cover();
+        let cover = Bvh::new(&cover.iter().map(|t| t.map(|p| p.extend(0.0))).collect::<Vec<_>>());
+        Ok(Self { chart, frame, cover, origin })
+    }
+
+    /// How images of the chart are glued.
+    pub(crate) fn gluing(&self) -> Gluing {
+        self.chart.gluing
+    }
+
+    /// The stretch of the chart from the square to the surface: 1 if it only scales.
+    pub(crate) fn stretch(&self) -> f64 {
+        self.chart.stretch()
+    }
+
+    /// An image of `side` samples a side.
+    pub(crate) fn sample(&self, side: usize, sampling: Sampling, task: &Task<'_>) -> Result<GeometryImage> {
+        let lines = match sampling {
+            Sampling::Regular => [regular(side), regular(side)],
+        };
+        // Rows of the image rise with the first coordinate, so that its triangles turn the way the surface's do.
+        let rows = par::map(side, |row| {
+            let mut hint = 0;
+            if task.is_over() {
+                return Vec::new();
+            }
+            (0..side).map(|column| self.at(DVec2::new(lines[0][row], lines[1][column]), &mut hint)).collect::<Vec<_>>()
+        });
+        task.step(1.0)?;
+        GeometryImage::new(side, side, self.gluing(), rows.into_iter().flatten().collect())
+    }
+
+    /// The surface's point at a point of the square.
+    fn at(&self, u: DVec2, hint: &mut u32) -> [f64; 3] {
+        let Some(hit) = self.cover.closest(u.extend(0.0), *hint) else { return [0.0; 3] };
+        *hint = hit.slot;
+        let [a, b, c] = self.cover.triangles()[hit.slot as usize].map(DVec3::truncate);
+        let face = self.origin[self.cover.id(hit.slot) as usize] as usize;
+        let weights = [(c - b).perp_dot(u - b), (a - c).perp_dot(u - c), (b - a).perp_dot(u - a)].map(|x| x.max(0.0));
+        let sum: f64 = weights.iter().sum();
+        let solid = self.chart.solid(face);
+        let point = if sum > 0.0 { (0..3).map(|k| solid[k] * (weights[k] / sum)).sum() } else { solid[0] };
+        self.frame.outside(point)
+    }
+
+    /// The image with its samples moved.
+    pub(crate) fn adjust(&self, image: GeometryImage, adjust: Adjust<'_>, task: &Task<'_>) -> Result<GeometryImage> {
+        match adjust {
+            Adjust::None => Ok(image),
+            Adjust::Fit | Adjust::Rate { .. } | Adjust::Hausdorff => {
+                task.step(1.0)?;
+                Err(crate::error::Error::Unsupported { what: "adjustment", id: "of samples".into() })
+            }
+        }
+    }
+}
