@@ -1,8 +1,12 @@
 //! One chart of a surface, ready to be sampled.
 
+use std::sync::OnceLock;
+
 use glam::{DVec2, DVec3};
 
+use super::fit::{Damping, Target};
 use super::sampling::{Sampling, regular};
+use super::spread::Sample;
 use super::{Adjust, refused};
 use crate::error::Result;
 use crate::geom::{Aabb, Bvh};
@@ -11,6 +15,9 @@ use crate::par;
 use crate::param::{self, Chart, Param};
 use crate::plane::{GeometryImage, Gluing};
 use crate::task::Task;
+
+/// Rounds of [`Adjust::Fit`].
+const FITS: usize = 2;
 
 /// Lengths of about one around the origin, whatever the units of the mesh.
 #[derive(Debug, Clone, Copy)]
@@ -45,6 +52,8 @@ pub(crate) struct Map {
     cover: Bvh,
     /// The chart's triangle that each of them is a copy of.
     origin: Vec<u32>,
+    /// The surface itself, for whoever moves samples.
+    target: OnceLock<Target>,
 }
 
 impl Map {
@@ -58,7 +67,7 @@ impl Map {
         })?;
         let (cover, origin) = chart.cover();
         let cover = Bvh::new(&cover.iter().map(|t| t.map(|p| p.extend(0.0))).collect::<Vec<_>>());
-        Ok(Self { chart, frame, cover, origin })
+        Ok(Self { chart, frame, cover, origin, target: OnceLock::new() })
     }
 
     /// How images of the chart are glued.
@@ -101,14 +110,42 @@ impl Map {
         self.frame.outside(point)
     }
 
-    /// The image with its samples moved.
+    /// The image with its samples moved. [`Adjust::Rate`] starts from an image that has been fitted, or from the last one of a
+    /// coarser or finer shrinking.
     pub(crate) fn adjust(&self, image: GeometryImage, adjust: Adjust<'_>, task: &Task<'_>) -> Result<GeometryImage> {
+        if let Adjust::None = adjust {
+            return Ok(image);
+        }
+        let target = self.target();
+        let samples = target.samples(image.points().len());
+        let mut image = image;
         match adjust {
-            Adjust::None => Ok(image),
-            Adjust::Fit | Adjust::Rate { .. } | Adjust::Hausdorff => {
-                task.step(1.0)?;
-                Err(crate::error::Error::Unsupported { what: "adjustment", id: "of samples".into() })
+            Adjust::None | Adjust::Hausdorff => {}
+            Adjust::Fit => {
+                for _ in 0..FITS {
+                    image = self.fit(&image, &samples, Damping::NEAR, task)?;
+                }
+            }
+            Adjust::Rate { shrink, rounds } => {
+                for _ in 0..rounds {
+                    image = self.fit(&shrink(&image)?, &samples, Damping::CHEAP, task)?;
+                }
+                image = self.fit(&image, &samples, Damping::CHEAP, task)?;
             }
         }
+        Ok(image)
+    }
+
+    fn target(&self) -> &Target {
+        self.target.get_or_init(|| Target::new(&(0..self.chart.faces()).map(|f| self.chart.solid(f)).collect::<Vec<_>>()))
+    }
+
+    fn fit(&self, image: &GeometryImage, samples: &[Sample], damping: Damping, task: &Task<'_>) -> Result<GeometryImage> {
+        let (width, height, gluing) = (image.width(), image.height(), image.gluing());
+        let inside = image.points().iter().map(|&p| self.frame.inside(p).to_array()).collect();
+        let inside = GeometryImage::new(width, height, gluing, inside)?;
+        let fitted = self.target().fit(&inside, samples, damping, task)?;
+        let outside = fitted.points().iter().map(|&p| self.frame.outside(p.into())).collect();
+        GeometryImage::new(width, height, gluing, outside)
     }
 }

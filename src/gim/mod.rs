@@ -3,8 +3,10 @@
 //! An [`Atlas`] flattens the surface once ([`crate::param`]); its charts are then sampled as often and as finely as wanted
 //! ([`Map::sample`]) and the samples moved where they serve best ([`Map::adjust`]).
 
+mod fit;
 mod map;
 mod sampling;
+mod spread;
 #[cfg(test)]
 mod tests;
 

@@ -9,6 +9,7 @@ mod barycentric;
 mod border;
 mod chart;
 mod cones;
+mod newton;
 mod orbifold;
 mod split;
 mod weights;
@@ -48,7 +49,7 @@ pub(crate) fn flatten(mesh: HalfEdges, positions: Vec<DVec3>, param: Param, task
     let used = (0..mesh.vertices() as u32).filter(|&v| mesh.outgoing(v).is_some()).count();
     let edges = (3 * mesh.triangles().len() + loops.iter().map(Vec::len).sum::<usize>()) / 2;
     let euler = used as i64 - edges as i64 + mesh.triangles().len() as i64;
-    let chart = match loops.len() {
+    let mut chart = match loops.len() {
         0 if euler == 2 => orbifold::lay_out(mesh, positions, param, task)?,
         1 if euler == 1 => border::lay_out(mesh, positions, param, task)?,
         _ => {
@@ -58,6 +59,9 @@ pub(crate) fn flatten(mesh: HalfEdges, positions: Vec<DVec3>, param: Param, task
             )));
         }
     };
+    if param == Param::Stretch && chart.folds() == 0 {
+        newton::improve(&mut chart, task)?;
+    }
     match chart.folds() {
         0 => Ok(chart),
         folds => Err(Error::NoConvergence { what: "a map without folds", after: 1, residual: folds as f64 }),

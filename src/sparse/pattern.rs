@@ -79,13 +79,25 @@ impl Pattern {
         let largest = |m: f64, x: f64| if x <= m { m } else { x };
         (worst.fold(0.0, largest), b.iter().map(|b| b.abs()).fold(0.0, largest))
     }
-}
 
-impl Pattern {
     /// Multiplies every row by its factor.
     pub(crate) fn scale_rows(&self, values: &mut [f64], factors: &[f64]) {
         for (value, &row) in values.iter_mut().zip(&self.rows) {
             *value *= factors[row];
         }
+    }
+
+    /// Adds this share of the mean of the diagonal to all of it.
+    pub(crate) fn raise_diagonal(&self, values: &mut [f64], share: f64) {
+        let diagonal = |column: usize| (self.ends[column]..self.ends[column + 1]).find(|&slot| self.rows[slot] == column);
+        let slots: Vec<usize> = (0..self.side()).filter_map(diagonal).collect();
+        let mean = slots.iter().map(|&s| values[s]).sum::<f64>() / slots.len().max(1) as f64;
+        slots.into_iter().for_each(|s| values[s] += share * mean);
+    }
+
+    /// The diagonal.
+    pub(crate) fn diagonal(&self, values: &[f64]) -> Vec<f64> {
+        let entry = |column: usize| (self.ends[column]..self.ends[column + 1]).find(|&slot| self.rows[slot] == column);
+        (0..self.side()).map(|column| entry(column).map_or(0.0, |slot| values[slot])).collect()
     }
 }
