@@ -4,11 +4,12 @@ use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
 
+use super::adjust::adjust;
 use super::fit::{Damping, Target};
-use super::sampling::{Sampling, regular};
+use super::sampling::Sampling;
 use super::spread::Sample;
 use super::{Adjust, refused};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geom::{Aabb, Bvh};
 use crate::mesh::HalfEdges;
 use crate::par;
@@ -62,7 +63,7 @@ impl Map {
         let frame = Frame::around(positions);
         let scaled: Vec<DVec3> = positions.iter().map(|&p| frame.inside(p)).collect();
         let chart = param::flatten(mesh.clone(), scaled, param, task).map_err(|e| match e {
-            crate::error::Error::Parameter(why) => refused(why),
+            Error::Parameter(why) => refused(why),
             other => other,
         })?;
         let (cover, origin) = chart.cover();
@@ -80,18 +81,25 @@ impl Map {
         self.chart.stretch()
     }
 
+    /// The area of the surface, in the square of the mesh's units.
+    pub(crate) fn area(&self) -> f64 {
+        let sum: f64 =
+            (0..self.chart.faces()).map(|f| self.chart.solid(f)).map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
+        sum / (self.frame.scale * self.frame.scale)
+    }
+
     /// An image of `side` samples a side.
     pub(crate) fn sample(&self, side: usize, sampling: Sampling, task: &Task<'_>) -> Result<GeometryImage> {
-        let lines = match sampling {
-            Sampling::Regular => [regular(side), regular(side)],
-        };
-        // Rows of the image rise with the first coordinate, so that its triangles turn the way the surface's do.
+        if side < 2 {
+            return Err(Error::Parameter(format!("{side} samples a side; at least 2 are needed")));
+        }
+        let points = sampling.points(side, self.gluing(), || self.chart.flat_vertices());
         let rows = par::map(side, |row| {
             let mut hint = 0;
             if task.is_over() {
                 return Vec::new();
             }
-            (0..side).map(|column| self.at(DVec2::new(lines[0][row], lines[1][column]), &mut hint)).collect::<Vec<_>>()
+            points[row * side..(row + 1) * side].iter().map(|&u| self.at(u, &mut hint)).collect::<Vec<_>>()
         });
         task.step(1.0)?;
         GeometryImage::new(side, side, self.gluing(), rows.into_iter().flatten().collect())
@@ -112,15 +120,19 @@ impl Map {
 
     /// The image with its samples moved. [`Adjust::Rate`] starts from an image that has been fitted, or from the last one of a
     /// coarser or finer shrinking.
-    pub(crate) fn adjust(&self, image: GeometryImage, adjust: Adjust<'_>, task: &Task<'_>) -> Result<GeometryImage> {
-        if let Adjust::None = adjust {
+    pub(crate) fn adjust(&self, image: GeometryImage, how: Adjust<'_>, task: &Task<'_>) -> Result<GeometryImage> {
+        if let Adjust::None = how {
             return Ok(image);
         }
         let target = self.target();
         let samples = target.samples(image.points().len());
         let mut image = image;
-        match adjust {
-            Adjust::None | Adjust::Hausdorff => {}
+        match how {
+            Adjust::None => {}
+            Adjust::Hausdorff => {
+                let solids: Vec<_> = (0..self.chart.faces()).map(|f| self.chart.solid(f)).collect();
+                image = self.framed(&image, |inside| adjust(target, &solids, inside, task))?;
+            }
             Adjust::Fit => {
                 for _ in 0..FITS {
                     image = self.fit(&image, &samples, Damping::NEAR, task)?;
@@ -141,11 +153,19 @@ impl Map {
     }
 
     fn fit(&self, image: &GeometryImage, samples: &[Sample], damping: Damping, task: &Task<'_>) -> Result<GeometryImage> {
+        self.framed(image, |inside| self.target().fit(inside, samples, damping, task))
+    }
+
+    /// Does something to an image in the frame of the map.
+    fn framed(
+        &self,
+        image: &GeometryImage,
+        what: impl FnOnce(&GeometryImage) -> Result<GeometryImage>,
+    ) -> Result<GeometryImage> {
         let (width, height, gluing) = (image.width(), image.height(), image.gluing());
         let inside = image.points().iter().map(|&p| self.frame.inside(p).to_array()).collect();
-        let inside = GeometryImage::new(width, height, gluing, inside)?;
-        let fitted = self.target().fit(&inside, samples, damping, task)?;
-        let outside = fitted.points().iter().map(|&p| self.frame.outside(p.into())).collect();
+        let done = what(&GeometryImage::new(width, height, gluing, inside)?)?;
+        let outside = done.points().iter().map(|&p| self.frame.outside(p.into())).collect();
         GeometryImage::new(width, height, gluing, outside)
     }
 }

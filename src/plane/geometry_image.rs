@@ -138,7 +138,7 @@ impl GeometryImage {
     }
 
     /// Whether the diagonal from the first corner is forced (`true`), the other one, or none.
-    fn forced_diagonal(&self, row: usize, column: usize) -> Option<bool> {
+    pub(crate) fn forced_diagonal(&self, row: usize, column: usize) -> Option<bool> {
         if self.gluing == Gluing::Open {
             return None;
         }
