@@ -8,13 +8,15 @@ pub use info::{ChunkInfo, Info};
 
 #[cfg(feature = "exr")]
 use crate::codec::Exr;
+use crate::codec::j2k::{self, J2k};
 use crate::codec::{PlaneCodec, Raw};
 use crate::error::{Error, Place, Result};
 use crate::extras::Parts;
 use crate::format::{Chunks, Header, MbcimChunk, PlanesChunk, RecipeChunk, SurfaceChunk};
-use crate::images;
+use crate::images::{self, Pixels};
 use crate::limits::{Budget, Limits};
-use crate::mesh::Mesh;
+use crate::mesh::{Attribute, AttributeKind, Domain, Mesh, Scalar};
+use crate::plane::from_octahedral;
 use crate::surface::{self, Census, Skin};
 use crate::task::Task;
 
@@ -35,7 +37,7 @@ pub struct Decoder<'a> {
 enum Body<'a> {
     Surface(SurfaceChunk<'a>),
     Mbcim { chunk: MbcimChunk<'a>, stages: Vec<&'a [u8]> },
-    Planes { chunk: PlanesChunk<'a>, codec: &'static dyn PlaneCodec, name: &'static str },
+    Planes { chunk: PlanesChunk<'a>, codec: Box<dyn PlaneCodec>, name: &'static str },
 }
 
 impl<'a> Decoder<'a> {
@@ -121,10 +123,42 @@ impl<'a> Decoder<'a> {
         let header = &self.header;
         budget.check_vertices(header.vertices.into())?;
         let surface = self.surface(&mut budget, task)?;
-        let triangles = surface.triangles;
+        let (triangles, normals) = (surface.triangles, surface.normals);
         let mut mesh = self.parts.mesh(header, surface.skin, surface.positions, triangles, &mut budget)?;
         mesh.precision = self.info.precision;
+        if normals.len() == mesh.positions.len() && !normals.is_empty() {
+            budget.reserve(24 * normals.len() as u64)?;
+            let unit = normals.iter().flat_map(|&n| from_octahedral(n, self.info.normal_bits));
+            mesh.attributes.push(Attribute {
+                kind: AttributeKind::Normal,
+                name: "normal".into(),
+                domain: Domain::Vertex,
+                width: 3,
+                scalar: Scalar::F32,
+                values: unit.map(|x| f64::from(x as f32)).collect(),
+                indices: Vec::new(),
+            });
+        }
         Ok(mesh)
+    }
+
+    /// The JPEG 2000 codestream of a file, if it holds one: what any viewer of `.j2k` files opens.
+    ///
+    /// # Errors
+    /// A file without one.
+    pub fn codestream(&self) -> Result<&'a [u8]> {
+        match &self.body {
+            Body::Planes { chunk, .. } if self.header.codec == Header::J2K => j2k::codestream(chunk.samples),
+            _ => Err(Error::Parameter(format!("no JPEG 2000 codestream: the file is of the codec {}", self.info.codec))),
+        }
+    }
+
+    /// The same wrapped as a JP2 file, for viewers that do not open a raw codestream.
+    ///
+    /// # Errors
+    /// As [`Decoder::codestream`].
+    pub fn jp2(&self) -> Result<Vec<u8>> {
+        j2k::wrap(self.codestream()?)
     }
 
     /// The surface that the codec keeps.
@@ -141,10 +175,10 @@ impl<'a> Decoder<'a> {
                 let (surface, positions) =
                     surface::read(chunk.connectivity, &streams, census, header.extent, effort, budget, task)?;
                 let skin = if is_plain { Skin::plain(surface.real_triangles()) } else { surface.skin() };
-                return Ok(Decoded { skin, positions, triangles: census.closed_faces() });
+                return Ok(Decoded { skin, positions, triangles: census.closed_faces(), normals: Vec::new(), pixels: None });
             }
             Body::Mbcim { chunk, stages } => images::read_mbcim(chunk, stages, vertices, header.extent, budget, task)?,
-            Body::Planes { chunk, codec, .. } => images::read_planes(chunk, *codec, vertices, header.extent, budget, task)?,
+            Body::Planes { chunk, codec, .. } => images::read_planes(chunk, &**codec, vertices, header.extent, budget, task)?,
         };
         let triangles = decoded.triangles.len() as u64;
         let skin = if is_plain {
@@ -154,16 +188,22 @@ impl<'a> Decoder<'a> {
             Skin::of_triangles(decoded.positions.len(), decoded.triangles)
                 .map_err(|why| Error::malformed(Place::Whole, format!("the surface is none: {why}")))?
         };
-        Ok(Decoded { skin, positions: decoded.positions, triangles })
+        Ok(Decoded { skin, positions: decoded.positions, triangles, normals: decoded.normals, pixels: decoded.pixels })
     }
 
     /// The oriented manifold of triangles that the codec keeps; that is what an image is of.
     #[cfg(any(feature = "encode", feature = "png"))]
     pub(crate) fn decode_surface(&self, task: Task<'_>) -> Result<Mesh> {
+        Ok(self.decode_image(task)?.0)
+    }
+
+    /// The same, and which of its vertices each pixel is if the file holds the image itself.
+    #[cfg(any(feature = "encode", feature = "png"))]
+    pub(crate) fn decode_image(&self, task: Task<'_>) -> Result<(Mesh, Option<Pixels>)> {
         let decoded = self.surface(&mut Budget::new(self.limits), task)?;
         let lattice = self.header.lattice.lattice();
         let positions = decoded.positions.into_iter().map(|q| self.header.position(&lattice, q)).collect();
-        Ok(Mesh::from_triangles(positions, decoded.skin.triangles))
+        Ok((Mesh::from_triangles(positions, decoded.skin.triangles), decoded.pixels))
     }
 }
 
@@ -173,6 +213,10 @@ struct Decoded {
     positions: Vec<[i32; 3]>,
     /// Triangles that the codec went through, fillings of holes included.
     triangles: u64,
+    /// The octahedral normal of each vertex, if there are any.
+    normals: Vec<[i32; 2]>,
+    #[cfg_attr(not(feature = "png"), allow(dead_code))]
+    pixels: Option<Pixels>,
 }
 
 fn census(vertices: u32, surface: &SurfaceChunk<'_>) -> Census {
@@ -180,11 +224,12 @@ fn census(vertices: u32, surface: &SurfaceChunk<'_>) -> Census {
 }
 
 /// The codec of planes that a header names.
-fn plane_codec(id: u8) -> Result<(&'static dyn PlaneCodec, &'static str)> {
+fn plane_codec(id: u8) -> Result<(Box<dyn PlaneCodec>, &'static str)> {
     match id {
-        Header::RAW => Ok((&Raw, "raw")),
+        Header::RAW => Ok((Box::new(Raw), "raw")),
         #[cfg(feature = "exr")]
-        Header::EXR => Ok((&Exr, "exr")),
+        Header::EXR => Ok((Box::new(Exr), "exr")),
+        Header::J2K => Ok((Box::new(J2k::default()), "j2k")),
         other => Err(Error::Unsupported { what: "codec", id: other.to_string() }),
     }
 }

@@ -2,18 +2,18 @@
 //!
 //! Mesh → oriented manifold → filled surface → lattice → streams → chunks.
 
-use crate::cgim::{Contact, Search};
-#[cfg(feature = "exr")]
-use crate::codec::Exr;
-use crate::codec::Raw;
+mod fidelity;
+mod planes;
+
+use crate::cgim::Search;
 use crate::decode::{Decoder, Info};
 use crate::error::{Error, MeshDefect, Result};
 use crate::extras::{self, Coded};
-use crate::format::{ChunkWriter, Extras, Header, LatticeForm, MAX_EXTENT, RecipeChunk, SurfaceChunk};
+use crate::format::{ChunkWriter, Extras, Header, LatticeForm, MAX_EXTENT, PlanesChunk, RecipeChunk, SurfaceChunk};
 use crate::images;
 use crate::limits::Limits;
-use crate::mesh::{Front, HalfEdges, Mesh, Scalar};
-use crate::options::{Accuracy, Codec, EncodeOptions};
+use crate::mesh::{Attribute, AttributeKind, Domain, Front, HalfEdges, Mesh, Scalar};
+use crate::options::{Accuracy, Codec, EncodeOptions, Quality};
 use crate::plane::{Lattice, bounding_box};
 use crate::surface::{self, Effort, Filled};
 use crate::task::Task;
@@ -63,6 +63,7 @@ impl EncodeOptions {
             Codec::Raw => Header::RAW,
             #[cfg(feature = "exr")]
             Codec::Exr => Header::EXR,
+            Codec::J2k => Header::J2K,
         };
         let draft = Header {
             codec,
@@ -75,23 +76,26 @@ impl EncodeOptions {
             extent: [0; 3],
             bound: 0.0,
         };
-        let (header, positions) = place(self.accuracy, draft, mesh)?;
+        let (mut header, positions) = place(self.accuracy, draft, mesh)?;
+        let mut notes = notes(mesh, self.image.normals.is_some());
         let on_surface: Vec<[i32; 3]> = front.vertex.iter().map(|&v| positions[v as usize]).collect();
+        let source = Source { mesh, front: &front, positions: &on_surface };
+        let (body, coded) = self.write_surface(&source, &mut header, &mut notes, task)?;
         let mut writer = ChunkWriter::new();
         writer.chunk(Header::TAG, &header.write());
-        let coded = self.write_surface(&mut writer, &front.surface, &on_surface, &header, task)?;
+        body.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
         if header.extras != Extras::default() {
             extras::write(&mut writer, &header, mesh, &positions, &front, &coded()?)?;
         }
         let mut bytes = writer.into_bytes();
-        if self.image.search > 1 && matches!(self.codec, Codec::Surface | Codec::Mbcim) {
+        if self.image.search > 1 && matches!(self.codec, Codec::Surface | Codec::Mbcim) && !self.image.paper {
             let recipe = self.recipe(&bytes, task)?;
             let mut writer = ChunkWriter::after(&bytes);
             writer.chunk(RecipeChunk::TAG, &recipe);
             bytes = writer.into_bytes();
         }
         let info = Decoder::new(&bytes)?.info().clone();
-        Ok(Encoded { info, bytes, notes: notes(mesh) })
+        Ok(Encoded { info, bytes, notes })
     }
 }
 
@@ -104,51 +108,67 @@ impl EncodeOptions {
         if front.surface.triangles().is_empty() {
             return Err(MeshDefect::Empty.into());
         }
-        if !self.image.stages.is_empty() && self.codec != Codec::Mbcim {
-            return Err(Error::Parameter("stages are for the codec mbcim".into()));
+        let lossy = self.codec == Codec::J2k && self.j2k.quality != Quality::Lossless;
+        let only = if !self.image.stages.is_empty() {
+            "stages are"
+        } else if lossy {
+            "lossy planes are"
+        } else if self.image.normals.is_some() {
+            "planes of normals are"
+        } else {
+            return Ok(());
+        };
+        if !is_plain {
+            let why = "for oriented manifolds of triangles, and this mesh is none: `gimc inspect` tells why";
+            return Err(Error::Parameter(format!("{only} {why}")));
         }
-        if !self.image.stages.is_empty() && !is_plain {
-            let why = "stages are for oriented manifolds of triangles, and this mesh is none: `gimc inspect` tells why";
-            return Err(Error::Parameter(why.into()));
+        if self.keep_order && self.image.normals.is_some() {
+            return Err(Error::Parameter("planes of normals and the order of a mesh cannot be kept together".into()));
         }
         Ok(())
     }
 
-    /// Writes what the codec keeps; the result tells, if asked, what a reader will make of it.
+    /// What the codec keeps, as chunks; the second part tells, if asked, what a reader will make of it. The header may
+    /// change: lossy planes move vertices.
     fn write_surface<'a>(
         &self,
-        writer: &mut ChunkWriter,
-        surface: &'a HalfEdges,
-        positions: &[[i32; 3]],
-        header: &Header,
+        source: &Source<'a>,
+        header: &mut Header,
+        notes: &mut Vec<String>,
         task: Task<'_>,
-    ) -> Result<impl FnOnce() -> Result<Coded> + 'a> {
-        let streams = match self.codec {
+    ) -> Result<(Chunks, impl FnOnce() -> Result<Coded> + 'a)> {
+        let surface = &source.front.surface;
+        let (chunks, order) = match self.codec {
             Codec::Surface => {
                 let filled = Filled::new(surface);
-                let (streams, walked) = surface::write(&filled, positions, header.extent, self.effort, task)?;
+                let (streams, walked) = surface::write(&filled, source.positions, header.extent, self.effort, task)?;
                 let census = [filled.census.holes, filled.census.components, filled.census.handles];
                 let chunk = SurfaceChunk::write(self.effort as u8, census, &streams.connectivity, &streams.positions);
-                writer.chunk(SurfaceChunk::TAG, &chunk);
-                Err(walked)
+                (vec![(SurfaceChunk::TAG, chunk)], Err(walked))
             }
-            Codec::Mbcim => Ok(images::write_mbcim(surface, positions, header.extent, &self.image_options(), task)?),
-            Codec::Raw => Ok(images::write_planes(surface, positions, header.extent, &Raw, &self.search(), task)?),
-            #[cfg(feature = "exr")]
-            Codec::Exr => Ok(images::write_planes(surface, positions, header.extent, &Exr, &self.search(), task)?),
+            Codec::Mbcim => {
+                let search = self.search();
+                let options = self.image_options(self.image.paper.then_some(&search));
+                let streams = images::write_mbcim(surface, source.positions, header.extent, &options, task)?;
+                (streams.chunks, Ok((streams.triangles, streams.order)))
+            }
+            _ => {
+                let written = self.write_planes(source, header, notes, task)?;
+                (vec![(PlanesChunk::TAG, written.chunk)], Ok((written.decoded.triangles, written.origin)))
+            }
         };
-        if let Ok(streams) = &streams {
-            streams.chunks.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
-        }
-        Ok(move || match streams {
-            Ok(images::Streams { triangles, order, .. }) => Coded::by_image(surface, triangles, order),
+        let coded = move || match order {
+            Ok((triangles, order)) => Coded::by_image(surface, triangles, order),
             Err(walked) => Ok(Coded::by_walk(walked)),
-        })
+        };
+        Ok((chunks, coded))
     }
 
     fn search(&self) -> Search {
         let choices = &self.image;
-        Search { trials: choices.search, seed: choices.seed, alpha: choices.alpha, contact: Contact::Slash }
+        let keep = choices.keep.map(|share| ((share * 256.0).round() as i32 - 1).clamp(0, 255) as u8);
+        let (trials, seed) = (choices.search, choices.seed);
+        Search { trials, seed, alpha: choices.alpha, keep, as_printed: choices.paper, ..Search::default() }
     }
 
     /// From what the image of the mesh in a file can be made again.
@@ -159,14 +179,25 @@ impl EncodeOptions {
         Ok(images::search_recipe(&half_edges, &self.search(), task)?.write())
     }
 
-    fn image_options(&self) -> images::ImageOptions<'_> {
+    fn image_options<'a>(&'a self, image: Option<&'a Search>) -> images::ImageOptions<'a> {
         let sweeps = match self.effort {
             Effort::Fast => 1,
             Effort::Default => 4,
             Effort::Best => 24,
         };
-        images::ImageOptions { sweeps, stages: &self.image.stages }
+        images::ImageOptions { sweeps, stages: &self.image.stages, image }
     }
+}
+
+/// Chunks without their frames, in order.
+type Chunks = Vec<([u8; 4], Vec<u8>)>;
+
+/// What is encoded.
+struct Source<'a> {
+    mesh: &'a Mesh,
+    front: &'a Front,
+    /// The lattice position of each vertex of the surface.
+    positions: &'a [[i32; 3]],
 }
 
 /// Chooses the lattice, puts every vertex on it, and measures how far they move.
@@ -251,9 +282,10 @@ fn round_up(x: f64) -> f32 {
 }
 
 /// What the file does not hold.
-fn notes(mesh: &Mesh) -> Vec<String> {
+fn notes(mesh: &Mesh, normals: bool) -> Vec<String> {
     let mut notes = Vec::new();
-    for attribute in &mesh.attributes {
+    let stored = |a: &&Attribute| normals && a.kind == AttributeKind::Normal && a.domain == Domain::Vertex;
+    for attribute in mesh.attributes.iter().filter(|a| !stored(a)) {
         notes.push(format!("attribute \"{}\" was left out", attribute.name));
     }
     notes

@@ -87,7 +87,7 @@ pub use error::{Error, MeshDefect, Place, Result};
 pub use limits::Limits;
 pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Label, LabelKind, Loaded, Mesh, Places, Scalar};
 #[cfg(feature = "encode")]
-pub use options::{Accuracy, Codec, EncodeOptions, ImageChoices};
+pub use options::{Accuracy, Boundaries, Codec, EncodeOptions, ImageChoices, J2kChoices, Quality};
 pub use par::with_threads;
 pub use plane::{GeometryImage, Gluing, Lattice};
 pub use surface::Effort;

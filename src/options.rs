@@ -24,6 +24,8 @@ pub struct EncodeOptions {
     pub image: ImageChoices,
     /// Whether vertices, faces and the corners of each face come back in the order they had. Default: no.
     pub keep_order: bool,
+    /// JPEG 2000: how much of the planes is kept.
+    pub j2k: J2kChoices,
 }
 
 /// How a mesh becomes bytes.
@@ -40,10 +42,54 @@ pub enum Codec {
     /// The same as an OpenEXR picture.
     #[cfg(feature = "exr")]
     Exr,
+    /// The same as a JPEG 2000 picture, without loss or with.
+    J2k,
+}
+
+/// What may be chosen for the codec [`Codec::J2k`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct J2kChoices {
+    /// How much is kept. Default: everything.
+    pub quality: Quality,
+    /// Quality layers, 1 (the default) to 32; every one but the last has half the bytes of the next.
+    pub layers: u8,
+    /// How a reader knows which pixels are one vertex.
+    pub boundaries: Boundaries,
+}
+
+impl Default for J2kChoices {
+    fn default() -> Self {
+        Self { quality: Quality::Lossless, layers: 1, boundaries: Boundaries::Exact }
+    }
+}
+
+/// How much of the planes is kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Quality {
+    /// Everything.
+    Lossless,
+    /// At most so many bits for each pixel, all planes together.
+    BitsPerPixel(f64),
+    /// So much that the decoded mesh has at least this psnr, in dB.
+    Psnr(f64),
+}
+
+/// How a reader of lossy planes knows which pixels are one vertex.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Boundaries {
+    /// From an index map in the file: the connectivity is exact at any rate.
+    #[default]
+    Exact,
+    /// From the run counts of rows and columns, by the paper's cluster phase. The file says whether that gives the exact
+    /// connectivity.
+    Implied,
 }
 
 /// What may be chosen for images of vertices (V-matrices).
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ImageChoices {
     /// Trials for an image of few pixels; 1 (the default) takes the first.
@@ -52,13 +98,20 @@ pub struct ImageChoices {
     pub seed: u64,
     /// Algorithm 2's α, 0 for none; `None` (the default) is 5 for the first trial, and searched for by the others.
     pub alpha: Option<u8>,
+    /// The share of the vertices that may be taken in which each level takes in, from 0 to 1; `None` (the default) is 1
+    /// for the first trial, and searched for by the others.
+    pub keep: Option<f64>,
+    /// Whether the matrix is made as the paper makes it (Algorithms 1 and 2), and stored as it is. Default: no.
+    pub paper: bool,
+    /// Bits of each of the two planes of normals, 2 to 16; `None` (the default) for no normals.
+    pub normals: Option<u8>,
     /// Bits that each stage after the first adds to every coordinate; empty (the default) for one stage.
     pub stages: Vec<u8>,
 }
 
 impl Default for ImageChoices {
     fn default() -> Self {
-        Self { search: 1, seed: 1, alpha: None, stages: Vec::new() }
+        Self { search: 1, seed: 1, alpha: None, keep: None, paper: false, normals: None, stages: Vec::new() }
     }
 }
 
@@ -87,6 +140,7 @@ impl EncodeOptions {
             codec: Codec::default(),
             image: ImageChoices::default(),
             keep_order: false,
+            j2k: J2kChoices::default(),
         }
     }
 
@@ -145,6 +199,12 @@ impl EncodeOptions {
         self
     }
 
+    /// The same with another choice for JPEG 2000.
+    pub fn j2k(mut self, j2k: J2kChoices) -> Self {
+        self.j2k = j2k;
+        self
+    }
+
     /// Refuses values that mean nothing.
     pub(crate) fn check(&self) -> Result<()> {
         let positive = |what: &str, x: f64| {
@@ -155,6 +215,8 @@ impl EncodeOptions {
             }
         };
         self.image.check()?;
+        self.j2k.check()?;
+        self.check_codec()?;
         match self.accuracy {
             Accuracy::Bits(bits) if !(1..=crate::format::MAX_BITS).contains(&bits) => {
                 Err(Error::Parameter(format!("bits must be 1 to {}, found {bits}", crate::format::MAX_BITS)))
@@ -173,6 +235,41 @@ impl EncodeOptions {
     }
 }
 
+impl EncodeOptions {
+    /// Refuses choices that the codec has no use for.
+    fn check_codec(&self) -> Result<()> {
+        let refuse = |why: &str| Err(Error::Parameter(why.into()));
+        if !self.image.stages.is_empty() && self.codec != Codec::Mbcim {
+            return refuse("stages are for the codec mbcim");
+        }
+        let is_surface = self.codec == Codec::Surface;
+        if self.image.paper && is_surface {
+            return refuse("an image made as the paper makes it needs a codec that stores it: mbcim, raw, exr or j2k");
+        }
+        if self.image.normals.is_some() && (is_surface || self.codec == Codec::Mbcim) {
+            return refuse("planes of normals are for the codecs raw, exr and j2k");
+        }
+        if self.j2k != J2kChoices::default() && self.codec != Codec::J2k {
+            return refuse("rates, layers and boundaries are for the codec j2k");
+        }
+        Ok(())
+    }
+}
+
+impl J2kChoices {
+    fn check(&self) -> Result<()> {
+        if !(1..=32).contains(&self.layers) {
+            return Err(Error::Parameter(format!("layers must be 1 to 32, found {}", self.layers)));
+        }
+        match self.quality {
+            Quality::BitsPerPixel(x) | Quality::Psnr(x) if !(x > 0.0 && x.is_finite()) => {
+                Err(Error::Parameter(format!("a rate or psnr must be a positive number, found {x}")))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 impl ImageChoices {
     fn check(&self) -> Result<()> {
         let bits: u32 = self.stages.iter().map(|&b| u32::from(b)).sum();
@@ -182,6 +279,12 @@ impl ImageChoices {
                 self.stages,
                 crate::format::MAX_BITS
             )));
+        }
+        if let Some(bits) = self.normals.filter(|bits| !(2..=16).contains(bits)) {
+            return Err(Error::Parameter(format!("normals of 2 to 16 bits, found {bits}")));
+        }
+        if let Some(keep) = self.keep.filter(|&k| !(k > 0.0 && k <= 1.0)) {
+            return Err(Error::Parameter(format!("the share to keep must be above 0 and at most 1, found {keep}")));
         }
         match self.alpha {
             Some(alpha) if alpha > crate::cgim::Recipe::MAX_ALPHA => {

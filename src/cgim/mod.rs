@@ -10,13 +10,18 @@
 
 mod align;
 mod check;
+mod cluster;
+#[cfg(test)]
+mod cluster_tests;
 mod open;
+mod paper;
 #[cfg(test)]
 mod random_meshes;
 mod rebuild;
 mod regions;
 mod rng;
 mod room;
+mod runs;
 mod search;
 mod shrink;
 mod side;
@@ -29,10 +34,12 @@ mod sweep_tests;
 mod vmatrix;
 mod words;
 
-pub(crate) use align::Contact;
+pub(crate) use align::{Contact, align, width};
+pub(crate) use cluster::cluster;
 pub(crate) use open::Recipe;
 pub(crate) use rebuild::{BYTES_A_TRIANGLE, Rebuilt, STEPS_A_TRIANGLE, matrix_triangles, rebuild, word_triangles};
-pub(crate) use regions::{regions, walls};
+pub(crate) use regions::{regions, straight, walls};
+pub(crate) use runs::run_counts;
 pub(crate) use search::Search;
 pub(crate) use stack::{Image, image, image_again};
 pub(crate) use vmatrix::VMatrix;

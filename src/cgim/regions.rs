@@ -10,6 +10,16 @@ use crate::plane::Block;
 
 /// The neighbours that a pixel is compared with: to the right, below, and below to the left.
 const DIRECTIONS: u64 = 3;
+/// The first two of them.
+pub(super) const RIGHT: u64 = 0;
+pub(super) const BELOW: u64 = 1;
+/// The third.
+const SLASH: u64 = 2;
+
+/// The pixel and the direction of a wall.
+pub(super) fn wall(number: u64) -> (u64, u64) {
+    (number / DIRECTIONS, number % DIRECTIONS)
+}
 
 /// For each pair of neighbours the number of their wall and the two pixels.
 fn pairs(rows: usize, columns: usize, blocks: &[Block]) -> impl Iterator<Item = (u64, usize, usize)> {
@@ -25,9 +35,9 @@ fn pairs(rows: usize, columns: usize, blocks: &[Block]) -> impl Iterator<Item = 
         let below = i + 1 < rows && !last_row[i];
         (0..columns).flat_map(move |j| {
             let p = i * columns + j;
-            let right = (j + 1 < columns).then_some((0, p + 1));
-            let down = below.then_some((1, p + columns));
-            let slash = (below && j > 0).then(|| (2, p + columns - 1));
+            let right = (j + 1 < columns).then_some((RIGHT, p + 1));
+            let down = below.then_some((BELOW, p + columns));
+            let slash = (below && j > 0).then(|| (SLASH, p + columns - 1));
             [right, down, slash].into_iter().flatten().map(move |(d, q)| (DIRECTIONS * p as u64 + d, p, q))
         })
     })
@@ -38,6 +48,11 @@ pub(crate) fn walls(matrix: &VMatrix, blocks: &[Block], same_colour: impl Fn(usi
     let entries = matrix.entries();
     let pairs = pairs(matrix.rows(), matrix.columns(), blocks);
     pairs.filter(|&(_, p, q)| entries[p] != entries[q] && same_colour(p, q)).map(|(wall, ..)| wall).collect()
+}
+
+/// The walls that stand between neighbours in a row or a column.
+pub(crate) fn straight(walls: Vec<u64>) -> Vec<u64> {
+    walls.into_iter().filter(|&number| wall(number).1 != SLASH).collect()
 }
 
 /// The regions of an image: neighbours of one colour without a wall between them. Regions are

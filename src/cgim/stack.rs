@@ -1,6 +1,6 @@
 //! From a mesh to one image: a matrix for each connected piece, stacked, and the side information.
 
-use super::align::{Contact, align};
+use super::align::align;
 use super::check::compare;
 use super::open::{Recipe, pieces};
 use super::rebuild::matrix_triangles;
@@ -35,18 +35,18 @@ pub(crate) fn image(surface: &HalfEdges, options: &Search, task: &Task<'_>) -> R
         task.step(i as f64 / pieces.len() as f64)?;
         parts.push(Part::new(piece, search(piece, options, task)?));
     }
-    stack(parts, options.contact, surface)
+    stack(parts, options, surface)
 }
 
 /// Makes the same image again, from the recipes that [`image`] found.
-pub(crate) fn image_again(surface: &HalfEdges, recipes: &[Recipe], contact: Contact) -> Result<Image> {
+pub(crate) fn image_again(surface: &HalfEdges, recipes: &[Recipe], options: &Search) -> Result<Image> {
     let pieces = pieces(surface)?;
     if pieces.len() != recipes.len() {
         let why = format!("recipes for {} pieces, and the mesh has {}", recipes.len(), pieces.len());
         return Err(Error::malformed(crate::error::Place::Whole, why));
     }
-    let parts = pieces.iter().zip(recipes).map(|(piece, recipe)| Ok(Part::new(piece, sweep_of(piece, recipe, contact)?)));
-    stack(parts.collect::<Result<_>>()?, contact, surface)
+    let parts = pieces.iter().zip(recipes).map(|(piece, recipe)| Ok(Part::new(piece, sweep_of(piece, recipe, options)?)));
+    stack(parts.collect::<Result<_>>()?, options, surface)
 }
 
 /// A piece with its matrix.
@@ -67,12 +67,13 @@ impl Part {
 }
 
 /// Puts the matrices one below the other, some of them transposed, so that the image is small.
-fn stack(mut parts: Vec<Part>, contact: Contact, surface: &HalfEdges) -> Result<Image> {
-    let columns = best_width(&parts);
+fn stack(mut parts: Vec<Part>, options: &Search, surface: &HalfEdges) -> Result<Image> {
+    let upright = options.simple || options.as_printed;
+    let columns = if upright { parts.iter().map(|p| p.found.matrix.columns()).max().unwrap_or(1) } else { best_width(&parts) };
     for part in &mut parts {
-        if turns(&part.found.matrix, columns) {
+        if !upright && turns(&part.found.matrix, columns) {
             let turned = part.found.matrix.transposed();
-            part.found.matrix = align(&turned.levels(), contact);
+            part.found.matrix = align(&turned.levels(), options.contact);
             part.found.mirrored ^= true;
         }
     }

@@ -12,7 +12,7 @@ use crate::mesh::HalfEdges;
 use crate::task::Task;
 
 fn options(random: &mut Random, contact: Contact) -> Search {
-    Search { trials: 1 + random.below(4), seed: random.next(), alpha: None, contact }
+    Search { trials: 1 + random.below(4), seed: random.next(), contact, ..Search::default() }
 }
 
 fn every_kind_survives(make: impl Fn(&mut Random) -> HalfEdges, count: u64) {

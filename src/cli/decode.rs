@@ -39,7 +39,7 @@ impl Decode {
     fn format(&self) -> Result<Format, Failure> {
         let stdout = output::is_stdout(&self.mesh).then_some(Format::Ply);
         self.format.or(stdout).or_else(|| Format::from_path(&self.mesh)).ok_or_else(|| {
-            let text = format!("{}: the extension is none of obj, ply, off, stl, glb, glb", self.mesh.display());
+            let text = format!("{}: the extension is none of obj, ply, off, stl, glb", self.mesh.display());
             Failure::wrong_use(text, Some("`--format ply` says what to write".into()))
         })
     }
@@ -84,11 +84,16 @@ impl Decode {
                 ("codec", info.codec.into()),
                 ("format", format.name().into()),
                 ("bound", info.bound.into()),
+                ("connectivity_exact", info.connectivity_exact.into()),
                 ("seconds", seconds.into()),
             ]);
             output::print(&format!("{json}\n"))?;
         } else {
             let (v, f) = (thousands(mesh.positions.len() as u64), thousands(mesh.faces.len() as u64));
+            if !info.connectivity_exact {
+                self.common
+                    .notes(&file, &["the connectivity is not that of the original: the cluster phase did not find it".into()]);
+            }
             self.common.say(format!("{file}: {v} vertices, {f} faces; within {}; {seconds:.2} s", number(info.bound)));
         }
         Ok(ExitCode::SUCCESS)

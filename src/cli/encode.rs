@@ -51,12 +51,36 @@ pub(super) struct Encode {
     /// The α of the paper's Algorithm 2; 0: off [default: 5, or any with --search].
     #[arg(long, value_name = "N", help_heading = "Images of vertices", value_parser = clap::value_parser!(u8).range(0..=31))]
     alpha: Option<u8>,
+    /// The share of the vertices within reach that each level takes in [default: 1, or any with --search].
+    #[arg(long, value_name = "SHARE", help_heading = "Images of vertices", value_parser = positive)]
+    keep: Option<f64>,
+    /// How the rows of the image are aligned: `paper` follows Algorithms 1 and 2 as printed, and stores that very image.
+    #[arg(long, value_enum, default_value = "shortest", help_heading = "Images of vertices")]
+    align: Align,
+    /// raw, exr, j2k: also store an image of normals, of so many bits a sample: those of the mesh, or computed.
+    #[arg(long, value_name = "Q", help_heading = "Images of vertices", value_parser = clap::value_parser!(u8).range(2..=16))]
+    normals: Option<u8>,
     /// mbcim: coordinates in so many stages, the later ones of two bits each.
     #[arg(long, value_name = "N", help_heading = "Images of vertices", value_parser = clap::value_parser!(u8).range(1..=12))]
     stages: Option<u8>,
     /// mbcim: the bits that each stage after the first adds, with commas between.
     #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with = "stages", help_heading = "Images of vertices")]
     stage_bits: Vec<u8>,
+    /// j2k: bits for each pixel of the image, at most.
+    #[arg(long, value_name = "BPP", value_parser = positive, help_heading = "JPEG 2000", group = "quality")]
+    rate: Option<f64>,
+    /// j2k: a psnr of the decoded mesh, at least, in dB.
+    #[arg(long, value_name = "P", value_parser = positive, help_heading = "JPEG 2000", group = "quality")]
+    psnr: Option<f64>,
+    /// j2k: keep every sample (the default).
+    #[arg(long, help_heading = "JPEG 2000", group = "quality")]
+    lossless: bool,
+    /// j2k: quality layers.
+    #[arg(long, value_name = "N", default_value = "1", help_heading = "JPEG 2000", value_parser = clap::value_parser!(u8).range(1..=32))]
+    layers: u8,
+    /// j2k: how a reader knows which pixels are one vertex.
+    #[arg(long, value_enum, default_value = "exact", help_heading = "JPEG 2000")]
+    boundaries: Boundaries,
     /// Time for size. Every file decodes with the same decoder.
     #[arg(long, value_enum, default_value = "default")]
     effort: EffortName,
@@ -86,6 +110,24 @@ enum Codec {
     Raw,
     /// The same as an OpenEXR picture of floats.
     Exr,
+    /// The same as a JPEG 2000 picture, without loss or with.
+    J2k,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Align {
+    /// As few columns as can be.
+    Shortest,
+    /// As the paper does it.
+    Paper,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Boundaries {
+    /// From an index map in the file: the connectivity is exact at any rate.
+    Exact,
+    /// From run counts, by the paper's cluster phase: the file says whether the connectivity is exact.
+    Implied,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -108,6 +150,14 @@ fn lattice(text: &str) -> Result<([f64; 3], f64), String> {
 }
 
 impl Encode {
+    fn check(&self) -> Result<(), Failure> {
+        let is_j2k = matches!(self.codec, Codec::J2k);
+        if self.lossless && !is_j2k {
+            return Err(Failure::wrong_use("--lossless is for the codec j2k", Some("add `--codec j2k`".into())));
+        }
+        Ok(())
+    }
+
     fn options(&self) -> EncodeOptions {
         let Method::Cgim = self.method;
         let mut options = EncodeOptions::cgim().effort(match self.effort {
@@ -120,17 +170,31 @@ impl Encode {
             Codec::Mbcim => gimc::Codec::Mbcim,
             Codec::Raw => gimc::Codec::Raw,
             Codec::Exr => gimc::Codec::Exr,
+            Codec::J2k => gimc::Codec::J2k,
         });
         let mut image = gimc::ImageChoices::default();
         image.search = self.search.map_or(image.search, |n| n as usize);
         image.seed = self.seed;
         image.alpha = self.alpha;
+        image.keep = self.keep;
+        image.paper = self.align == Align::Paper;
+        image.normals = self.normals;
         image.stages = match self.stages {
             Some(count) => vec![2; usize::from(count) - 1],
             None => self.stage_bits.clone(),
         };
-        options = options.image(image);
         options = options.keep_order(self.keep_order);
+        let mut j2k = gimc::J2kChoices::default();
+        if let Some(bpp) = self.rate {
+            j2k.quality = gimc::Quality::BitsPerPixel(bpp);
+        } else if let Some(psnr) = self.psnr {
+            j2k.quality = gimc::Quality::Psnr(psnr);
+        }
+        j2k.layers = self.layers;
+        if self.boundaries == Boundaries::Implied {
+            j2k.boundaries = gimc::Boundaries::Implied;
+        }
+        options = options.image(image).j2k(j2k);
         if let Some(bits) = self.bits {
             options = options.bits(bits);
         } else if let Some(step) = self.step {
@@ -149,6 +213,7 @@ impl Encode {
         if self.common.json && output::is_stdout(&self.out) {
             return Err(Failure::wrong_use("--json and the file cannot both go to stdout", None));
         }
+        self.check()?;
         let start = Instant::now();
         let file = input::name(&self.mesh);
         let (mesh, notes) = input::mesh(&self.mesh, self.format)?;
@@ -199,6 +264,9 @@ fn json(encoded: &Encoded, bpv: f64, seconds: f64) -> Json {
         ("bits", info.bits.map_or(Json::Null, Json::from)),
         ("step", info.step.into()),
         ("bound", info.bound.into()),
+        ("rows", info.image.map_or(Json::Null, |[rows, _]| rows.into())),
+        ("columns", info.image.map_or(Json::Null, |[_, columns]| columns.into())),
+        ("connectivity_exact", info.connectivity_exact.into()),
         ("seconds", seconds.into()),
         ("parts", Json::object(info.parts.iter().map(|&(name, bytes)| (name, bytes.into())))),
         ("notes", Json::list(encoded.notes.iter().map(String::as_str))),

@@ -50,6 +50,10 @@ fn json(info: &gimc::Info, bytes: usize, bpv: f64) -> String {
         ("bound", info.bound.into()),
         ("rows", info.image.map_or(Json::Null, |[rows, _]| rows.into())),
         ("columns", info.image.map_or(Json::Null, |[_, columns]| columns.into())),
+        ("boundaries", info.boundaries.map_or(Json::Null, Json::from)),
+        ("connectivity_exact", info.connectivity_exact.into()),
+        ("layers", info.layers.map_or(Json::Null, |n| u32::from(n).into())),
+        ("normal_bits", u32::from(info.normal_bits).into()),
         ("stages", Json::list(info.stages.iter().map(|&bits| u32::from(bits)))),
         ("stages_present", info.stages_present.into()),
         ("precision", precision(info).into()),
@@ -86,6 +90,17 @@ fn text(info: &gimc::Info, file: &str, bytes: usize, bpv: f64) -> String {
     if let Some([rows, columns]) = info.image {
         table.row("image", format!("{rows} rows, {columns} columns"));
     }
+    if let Some(boundaries) = info.boundaries {
+        let how = if boundaries == "exact" { "an index map" } else { "the cluster phase, from run counts" };
+        table.row("boundaries", format!("{boundaries}: from {how}"));
+    }
+    if let Some(layers) = info.layers {
+        table.row("layers", layers.to_string());
+    }
+    if info.normal_bits > 0 {
+        table.row("normals", format!("two planes of {} bits", info.normal_bits));
+    }
+    table.row("connectivity", if info.connectivity_exact { "that of the original" } else { "not that of the original" });
     if !info.stages.is_empty() {
         let present = format!("{} of {} here", info.stages_present, info.stages.len());
         table.row("stages", format!("of {:?} bits after the base; {present}", info.stages));

@@ -12,12 +12,12 @@ use super::{Common, LimitFlags, Outcome, input, output};
 
 /// Make a picture of what a file holds.
 ///
-/// Of a mesh file there is only the shaded view.
+/// Of a mesh file there is only the shaded view. To a .jp2 or .j2k file goes the JPEG 2000 picture itself.
 #[derive(Debug, Args)]
 pub(super) struct View {
     /// A file, or a mesh.
     input: PathBuf,
-    /// The PNG picture to make.
+    /// The picture to make: PNG; or .jp2 or .j2k, the stream of a file of the codec j2k.
     out: PathBuf,
     /// What to show.
     #[arg(long, value_enum, default_value = "mesh")]
@@ -73,9 +73,19 @@ impl View {
                 Some("`--what mesh` shows the mesh".into()),
             ));
         }
+        let extension = self.out.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        let limits = self.limits.limits();
+        if let Some(wrapped @ ("jp2" | "j2k" | "jpc")) = extension.as_deref() {
+            let stream = self.common.run("reading", |_| {
+                let decoder = Decoder::with_limits(&bytes, limits)?;
+                if wrapped == "jp2" { decoder.jp2() } else { Ok(decoder.codestream()?.to_vec()) }
+            });
+            let stream = stream.map_err(|e| Failure::in_file(&file, e))?;
+            output::write(&self.out, |out| Ok(out.write_all(&stream)?))?;
+            return Ok(ExitCode::SUCCESS);
+        }
         let (azimuth, elevation) = self.camera;
         let shaded = |mesh: &gimc::Mesh| shade(mesh, self.size.0, self.size.1, Camera { azimuth, elevation });
-        let limits = self.limits.limits();
         let picture = if is_mesh {
             self.common.run("drawing", |_| {
                 let mesh = gimc::Mesh::read(&bytes, gimc::Format::from_path(&self.input))?.mesh;

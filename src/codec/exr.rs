@@ -28,6 +28,8 @@ fn name(i: usize, n: usize) -> String {
     match n {
         1 => "Y".into(),
         3 => ["R", "G", "B"][i].into(),
+        // Positions, and octahedral normals as a layer of their own.
+        5 => ["R", "G", "B", "normal.X", "normal.Y"][i].into(),
         _ => format!("plane{i:02}"),
     }
 }

@@ -1,9 +1,10 @@
 //! What a file says of itself before it is decoded.
 
 use super::{Body, census};
+use crate::codec::j2k;
 use crate::error::{Error, Result};
 use crate::extras::Parts;
-use crate::format::{Chunks, Header, LatticeForm, RecipeChunk};
+use crate::format::{Borders, Chunks, Header, LatticeForm, RecipeChunk};
 use crate::images;
 use crate::mesh::Scalar;
 use crate::surface::{self, Effort};
@@ -48,6 +49,14 @@ pub struct Info {
     pub stages: Vec<u8>,
     /// How many of the stages the file still has.
     pub stages_present: usize,
+    /// How the pixels of lossy planes are told apart: `exact` by an index map, `implied` by the cluster phase.
+    pub boundaries: Option<&'static str>,
+    /// Whether the connectivity is that of the original. Only the cluster phase may fail to find it.
+    pub connectivity_exact: bool,
+    /// Quality layers of a JPEG 2000 codestream.
+    pub layers: Option<u8>,
+    /// Bits of each of the two planes of normals; 0 if there are none.
+    pub normal_bits: u8,
     /// Bytes of memory that decoding takes at most.
     pub memory: u64,
     /// Steps of work that decoding takes, as far as the header tells.
@@ -93,7 +102,7 @@ impl Info {
             Body::Mbcim { chunk, stages } => {
                 let positions = chunk.colours.len() + stages.iter().map(|stage| stage.len()).sum::<usize>();
                 let connectivity = chunk.map.len() + chunk.side_size;
-                ("mbcim", Effort::Default, connectivity as u64, positions as u64, images::cost(vertices, faces))
+                ("mbcim", Effort::Default, connectivity as u64, positions as u64, images::cost(chunk, vertices, faces))
             }
             Body::Planes { chunk, name, .. } => {
                 let cost = images::planes_cost(chunk, faces);
@@ -104,8 +113,21 @@ impl Info {
             Body::Mbcim { chunk, stages } => (chunk.stages.clone(), stages.len().min(chunk.stages.len())),
             _ => (Vec::new(), 0),
         };
+        let (mut boundaries, mut connectivity_exact, mut layers, mut normal_bits) = (None, true, None, 0);
+        if let Body::Planes { chunk, .. } = body {
+            (boundaries, connectivity_exact) = match chunk.borders {
+                Borders::Colours => (None, true),
+                Borders::Words { .. } | Borders::Map { .. } => (Some("exact"), true),
+                Borders::Counts { exact, .. } => (Some("implied"), exact),
+            };
+            normal_bits = chunk.normal_depth;
+            if header.codec == Header::J2K {
+                layers = Some(j2k::profile(j2k::codestream(chunk.samples)?)?.layers);
+            }
+        }
         let image = match body {
             Body::Planes { chunk, .. } => Some([chunk.rows, chunk.columns]),
+            Body::Mbcim { chunk, .. } if chunk.raster.is_some() => chunk.raster,
             _ => recipe.map(|chunk| [chunk.rows, chunk.columns]),
         };
         let mut parts = vec![("header", 0), ("connectivity", connectivity), ("positions", positions)];
@@ -135,6 +157,10 @@ impl Info {
             image,
             stages,
             stages_present,
+            boundaries,
+            connectivity_exact,
+            layers,
+            normal_bits,
             memory: cost.0,
             work: cost.1,
         })

@@ -96,6 +96,8 @@ impl Header {
     pub(crate) const RAW: u8 = 2;
     /// The same as an OpenEXR picture.
     pub(crate) const EXR: u8 = 3;
+    /// The same as a JPEG 2000 codestream.
+    pub(crate) const J2K: u8 = 4;
 
     #[cfg(feature = "encode")]
     pub(crate) fn write(&self) -> Vec<u8> {

@@ -4,6 +4,7 @@
 //! know it skips if the chunk's tag begins with a lower-case letter, and refuses otherwise.
 
 mod chunk;
+mod counts;
 mod fixes;
 mod header;
 mod labels;
@@ -20,7 +21,7 @@ pub(crate) use fixes::FixesChunk;
 pub(crate) use header::{Extras, Header, LatticeForm, MAX_BITS, MAX_EXTENT};
 pub(crate) use labels::LabelsChunk;
 pub(crate) use mbcim::MbcimChunk;
-pub(crate) use planes::PlanesChunk;
+pub(crate) use planes::{Borders, PlanesChunk};
 pub(crate) use recipe::RecipeChunk;
 pub(crate) use surface::SurfaceChunk;
 

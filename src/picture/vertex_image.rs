@@ -3,7 +3,7 @@
 //! The position plane is the paper's CGIM array, the normal plane its CNIM; the index plane shows
 //! which pixels are one vertex, each in a colour of its own, and in white the vertices that the cuts doubled.
 
-use crate::cgim::{Contact, Recipe, Search, image, image_again};
+use crate::cgim::{Recipe, Search, image, image_again};
 use crate::decode::Decoder;
 use crate::error::{Error, Place, Result};
 use crate::mesh::{HalfEdges, Mesh, vertex_normals};
@@ -36,27 +36,31 @@ impl VertexImage {
     /// # Errors
     /// As [`Decoder::decode_with`], or a file that speaks of another mesh.
     pub fn of_file(decoder: &Decoder<'_>, task: Task<'_>) -> Result<Self> {
-        let mesh = decoder.decode_surface(task)?;
+        let (mesh, pixels) = decoder.decode_image(task)?;
+        if let Some(pixels) = pixels {
+            let (columns, vertices) = (pixels.columns, pixels.vertices);
+            let doubled = doubled(&vertices, columns, mesh.positions.len());
+            return Ok(Self { columns, rows: vertices.len() / columns.max(1), vertices, mesh, doubled });
+        }
         let half_edges = HalfEdges::new(mesh.positions.len(), mesh.faces.triangles())?;
         let image = match decoder.recipe() {
             Some(chunk) => {
                 let recipes: Option<Vec<_>> = chunk.recipes.iter().map(|&packed| Recipe::unpack(packed)).collect();
                 let recipes =
                     recipes.ok_or_else(|| Error::malformed(Place::Whole, "a recipe that opens a surface in no known way"))?;
-                image_again(&half_edges, &recipes, Contact::Slash)?
+                image_again(&half_edges, &recipes, &Search::default())?
             }
-            None => image(&half_edges, &Search { trials: 1, seed: 0, alpha: None, contact: Contact::Slash }, &task)?,
+            None => image(&half_edges, &Search::default(), &task)?,
         };
         let count = mesh.positions.len();
-        let mut regions = vec![0_u32; count];
-        image.origin.iter().filter(|&&v| (v as usize) < count).for_each(|&v| regions[v as usize] += 1);
         let vertex = |&region: &u32| {
             let v = image.origin[region as usize];
             if (v as usize) < count { v } else { Self::NONE }
         };
         let vertices: Vec<u32> = image.matrix.entries().iter().map(vertex).collect();
-        let doubled = vertices.iter().map(|&v| v != Self::NONE && regions[v as usize] > 1).collect();
-        Ok(Self { columns: image.matrix.columns(), rows: image.matrix.rows(), vertices, mesh, doubled })
+        let columns = image.matrix.columns();
+        let doubled = doubled(&vertices, columns, count);
+        Ok(Self { columns, rows: image.matrix.rows(), vertices, mesh, doubled })
     }
 
     /// The positions as a 16-bit picture: red, green and blue are x, y and z, one scale for all three.
@@ -105,6 +109,36 @@ impl VertexImage {
         let planes = planes.into_iter().map(|samples| Plane::new(shape, depth, samples)).collect::<Result<_>>()?;
         write_png(&Planes::new(planes)?)
     }
+}
+
+/// Which pixels belong to vertices in several places of the image: those that a cut doubled.
+fn doubled(vertices: &[u32], columns: usize, count: usize) -> Vec<bool> {
+    let rows = vertices.len() / columns.max(1);
+    let mut places = vec![0_u8; count];
+    let mut seen = vec![false; vertices.len()];
+    let mut stack = Vec::new();
+    for start in 0..vertices.len() {
+        let v = vertices[start];
+        if v == VertexImage::NONE || seen[start] {
+            continue;
+        }
+        places[v as usize] = places[v as usize].saturating_add(1);
+        seen[start] = true;
+        stack.push(start);
+        while let Some(p) = stack.pop() {
+            let (i, j) = ((p / columns) as isize, (p % columns) as isize);
+            // Along the slash, too, as the pixels of a vertex hang together.
+            for (i, j) in [(i, j - 1), (i, j + 1), (i - 1, j), (i + 1, j), (i - 1, j + 1), (i + 1, j - 1)] {
+                if (0..rows as isize).contains(&i) && (0..columns as isize).contains(&j) {
+                    let q = i as usize * columns + j as usize;
+                    if vertices[q] == v && !std::mem::replace(&mut seen[q], true) {
+                        stack.push(q);
+                    }
+                }
+            }
+        }
+    }
+    vertices.iter().map(|&v| v != VertexImage::NONE && places[v as usize] > 1).collect()
 }
 
 /// A colour that neighbouring numbers do not share, neither black nor white.

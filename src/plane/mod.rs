@@ -7,6 +7,7 @@
 mod geometry_image;
 mod level;
 mod mask;
+mod normal;
 #[cfg(feature = "png")]
 mod png;
 mod quantise;
@@ -15,13 +16,14 @@ mod side;
 pub use geometry_image::{GeometryImage, Gluing};
 pub(crate) use level::{Levels, Step};
 pub(crate) use mask::Mask;
+pub(crate) use normal::{from_octahedral, octahedral};
 #[cfg(all(test, feature = "png"))]
 pub(crate) use png::read_rgb;
 #[cfg(feature = "png")]
 pub(crate) use png::{read_mask, write_png};
 pub use quantise::Lattice;
 pub(crate) use quantise::bounding_box;
-pub(crate) use side::{Block, Seam, SideInformation};
+pub(crate) use side::{Block, RunCounts, Seam, SideInformation};
 
 use crate::error::{Error, Result};
 

@@ -35,3 +35,12 @@ pub(crate) struct Seam {
     pub(crate) partner: u32,
     pub(crate) length: u32,
 }
+
+/// How often the vertex changes along each row and each column of an image: the paper's x and y (CGIM §5.2).
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct RunCounts {
+    /// For each row.
+    pub(crate) rows: Vec<u32>,
+    /// For each column of the first block, of the second, and so on.
+    pub(crate) columns: Vec<u32>,
+}

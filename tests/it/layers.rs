@@ -74,7 +74,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("crc32fast", &["bits", "format"]),
     ("exr", &["codec"]),
     ("faer", &["sparse"]),
-    ("glam", &["geom", "mesh", "distance", "param", "simplify", "cgim", "gim", "resize", "eval"]),
+    ("glam", &["geom", "mesh", "distance", "param", "simplify", "cgim", "gim", "resize", "encode", "eval"]),
     ("hayro_jpeg2000", &["codec"]),
     ("image", &["plane"]),
     ("rayon", &["par"]),

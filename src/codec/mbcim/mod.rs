@@ -4,6 +4,7 @@
 //! without loss, so that it holds the connectivity exactly; the colours follow, one a vertex.
 
 pub(crate) mod base_colour;
+pub(crate) mod index_map;
 pub(crate) mod ladder;
 mod meeting;
 mod residual;
