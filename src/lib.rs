@@ -28,7 +28,7 @@
 //!       SURFACE WING               │            BYTE WING
 //!       (never sees a byte)        │            (never sees a triangle)
 //!  3  surface ── names both ───────┼─────────── mesh and entropy
-//!     cgim  gim                    │   format
+//!     cgim  gim  resize            │   format
 //!  2  mesh  distance  param        │   codec  entropy
 //!     ─────────────────────────────┴──────────────────────────────────────────────
 //!  1  plane                             the hall: lattice, planes
@@ -74,6 +74,8 @@ pub mod picture;
 #[allow(dead_code, unused_imports)] // until both wings use all of it
 mod plane;
 #[cfg(feature = "encode")]
+mod resize;
+#[cfg(feature = "encode")]
 #[allow(dead_code, unused_imports)] // until the doors move in
 mod sparse;
 #[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
@@ -90,6 +92,8 @@ pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Labe
 pub use options::{Accuracy, Boundaries, Codec, EncodeOptions, ImageChoices, J2kChoices, Quality};
 pub use par::with_threads;
 pub use plane::{GeometryImage, Gluing, Lattice};
+#[cfg(feature = "encode")]
+pub use resize::{ResizeMethod, ResizeOptions, Resized};
 pub use surface::Effort;
 pub use task::Task;
 
