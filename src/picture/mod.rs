@@ -1,5 +1,6 @@
-//! Pictures of what a file holds: the planes of an image of vertices, and a shaded view of the mesh.
+//! Pictures of what a file holds: the planes of an image of vertices, what resizing sees, and a shaded view of the mesh.
 
+pub mod resize;
 mod shade;
 mod vertex_image;
 

@@ -39,6 +39,21 @@ impl<T: Copy> Field<T> {
     }
 }
 
+impl Field<[f64; 2]> {
+    /// The value at a fractional column and row, linear between samples; outside, that of the border.
+    pub(crate) fn linear(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let cell = |at: f64, side: usize| {
+            let first = (at.max(0.0) as usize).min(side - 2);
+            (first, (at - first as f64).clamp(0.0, 1.0))
+        };
+        let ((column, across), (row, down)) = (cell(x, self.width), cell(y, self.height));
+        let mix = |a: [f64; 2], b: [f64; 2], t: f64| [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
+        let above = mix(self.at(column, row), self.at(column + 1, row), across);
+        let below = mix(self.at(column, row + 1), self.at(column + 1, row + 1), across);
+        mix(above, below, down)
+    }
+}
+
 /// The sample of an orbifold image that continues it at a place up to a side's length outside: the image turned by
 /// half a turn about the middle of the side that is crossed.
 pub(crate) fn beyond(width: usize, height: usize, x: isize, y: isize) -> (usize, usize) {

@@ -118,19 +118,6 @@ fn close(found: &mut [Option<[f64; 2]>], width: usize, height: usize) {
     }
 }
 
-/// What a field says at fractional places, linear between its samples.
-pub(crate) fn bilinear(field: &Field<[f64; 2]>, [x, y]: [f64; 2]) -> [f64; 2] {
-    let cell = |at: f64, side: usize| {
-        let first = (at.max(0.0) as usize).min(side - 2);
-        (first, (at - first as f64).clamp(0.0, 1.0))
-    };
-    let ((column, across), (row, down)) = (cell(x, field.width), cell(y, field.height));
-    let mix = |a: [f64; 2], b: [f64; 2], t: f64| [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
-    let above = mix(field.at(column, row), field.at(column + 1, row), across);
-    let below = mix(field.at(column, row + 1), field.at(column + 1, row + 1), across);
-    mix(above, below, down)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,7 +169,7 @@ mod tests {
         for y in 0..5 {
             for x in 0..7 {
                 assert_eq!(inverse.at(x, y), [x as f64, y as f64]);
-                assert_eq!(bilinear(&inverse, [x as f64, y as f64]), [x as f64, y as f64]);
+                assert_eq!(inverse.linear([x as f64, y as f64]), [x as f64, y as f64]);
             }
         }
     }

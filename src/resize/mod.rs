@@ -18,4 +18,6 @@ mod seam;
 mod test_images;
 mod warp;
 
+pub(crate) use field::Field;
+pub(crate) use saliency::{Energy, saliency};
 pub use options::{ResizeMethod, ResizeOptions, Resized};

@@ -162,6 +162,28 @@ impl ResizeOptions {
         if self.method == ResizeMethod::Content { self.lambda.or(default) } else { None }
     }
 
+    /// What was done, in the words that a file tells of itself: method, sizes, shares and steps.
+    pub fn history(&self, image: &GeometryImage, resized: &Resized) -> String {
+        let size = |[width, height]: [usize; 2]| format!("{width} x {height}");
+        let (from, to) = ([image.width(), image.height()], [resized.image.width(), resized.image.height()]);
+        let literal = if self.literal { " as printed" } else { "" };
+        let mut text = format!("resized from {} to {} by {}{literal}", size(from), size(to), self.method.name());
+        if let Some(alpha) = self.effective_alpha() {
+            text += &format!(", alpha {alpha}");
+        }
+        if let Some(lambda) = self.effective_lambda() {
+            text += &format!(", lambda {lambda}");
+        }
+        if self.method == ResizeMethod::Content {
+            let steps: Vec<String> = resized.sizes.iter().copied().map(size).collect();
+            text += &format!(", {} steps: {}", steps.len(), steps.join(", "));
+        }
+        if resized.folded > 0 {
+            text += &format!(", {} cells folded", resized.folded);
+        }
+        text
+    }
+
     fn has_energy(&self) -> bool {
         matches!(self.method, ResizeMethod::Content | ResizeMethod::Seam | ResizeMethod::Direct)
     }
@@ -309,6 +331,20 @@ mod tests {
             let text = refused(&options, &open, 5, 5);
             assert!(text.contains(why), "{text}");
         }
+    }
+
+    #[test]
+    fn the_history_tells_method_sizes_shares_and_steps() {
+        let image = bump(30, 20, 0.3);
+        let told = |options: &ResizeOptions| options.history(&image, &options.resize(&image, 20, 15, &Task::default()).unwrap());
+        let by = ResizeOptions::new;
+        assert_eq!(
+            told(&by(ResizeMethod::Content).alpha(0.25)),
+            "resized from 30 x 20 to 20 x 15 by content, alpha 0.25, 2 steps: 24 x 17, 20 x 15"
+        );
+        assert_eq!(told(&by(ResizeMethod::Bicubic)), "resized from 30 x 20 to 20 x 15 by bicubic");
+        assert!(told(&by(ResizeMethod::Content).literal(true)).contains("by content as printed, alpha 0.5, lambda 0.1, "));
+        assert!(!told(&by(ResizeMethod::Seam)).contains("folded"));
     }
 
     #[test]

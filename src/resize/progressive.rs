@@ -6,7 +6,7 @@
 
 use super::bicubic::Spline;
 use super::field::Field;
-use super::invert::{bilinear, inverse};
+use super::invert::inverse;
 use super::saliency::{Energy, saliency};
 use super::warp::Warp;
 use crate::error::Result;
@@ -72,7 +72,7 @@ pub(crate) fn progressive(image: &GeometryImage, target: Size, how: &Progress, t
             let spline = Spline::new(&current);
             back.values.iter().map(|&place| spline.at(place)).collect()
         } else {
-            places = Field::new(width, height, back.values.iter().map(|&place| bilinear(&places, place)).collect());
+            places = Field::new(width, height, back.values.iter().map(|&place| places.linear(place)).collect());
             places.values.iter().map(|&place| spline.at(place)).collect()
         };
         current = GeometryImage::new(width, height, gluing, points)?;
