@@ -34,6 +34,12 @@ impl<'a> Task<'a> {
         self
     }
 
+    /// The same task for a part of the work, whose shares are not the whole's.
+    #[cfg(feature = "encode")]
+    pub(crate) fn without_progress(&self) -> Self {
+        Self { progress: None, ..*self }
+    }
+
     /// Says that `share` (0 to 1) is done; an error if the caller wants no more.
     pub(crate) fn step(&self, share: f64) -> Result<()> {
         if let Some(report) = self.progress {

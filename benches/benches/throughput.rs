@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use gimc::eval::CompareOptions;
-use gimc::{Decoder, Effort, EncodeOptions, Format, Mesh, Task};
+use gimc::{Decoder, Effort, EncodeOptions, Format, GeometryImage, Gluing, Mesh, ResizeMethod, ResizeOptions, Task};
 
 const EFFORTS: [(&str, Effort); 3] = [("fast", Effort::Fast), ("default", Effort::Default), ("best", Effort::Best)];
 const SHAPES: [&str; 3] = ["bumpy_sphere", "terrain", "block"];
@@ -73,5 +73,25 @@ fn distances(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, coding, files, distances);
+/// Six warps from 500 x 500 to 150 x 150 samples, each two systems of up to 250,000 equations.
+fn resizing(c: &mut Criterion) {
+    let mut group = c.benchmark_group("resize");
+    group.sample_size(10).measurement_time(Duration::from_secs(5)).warm_up_time(Duration::from_millis(500));
+    let side = 500;
+    let point = |p: usize| {
+        let (x, y) = ((p % side) as f64 / (side - 1) as f64, (p / side) as f64 / (side - 1) as f64);
+        let bump = |a: f64, b: f64, w: f64| (-((x - a) * (x - a) + (y - b) * (y - b)) * w).exp();
+        [x, y, 0.2 * bump(0.3, 0.4, 200.0) - 0.1 * bump(0.8, 0.7, 900.0) + 0.01 * (40.0 * x).sin() * (25.0 * y * y).cos()]
+    };
+    let image = GeometryImage::new(side, side, Gluing::Open, (0..side * side).map(point).collect()).expect("an image");
+    group.throughput(Throughput::Elements((side * side) as u64));
+    for method in [ResizeMethod::Content, ResizeMethod::Direct, ResizeMethod::Bicubic] {
+        let options = ResizeOptions::new(method);
+        let resize = || options.resize(black_box(&image), 150, 150, &Task::default()).expect("an image");
+        group.bench_function(method.name(), |b| b.iter(resize));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, coding, files, distances, resizing);
 criterion_main!(benches);

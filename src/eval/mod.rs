@@ -1,13 +1,17 @@
-//! What is measured and how it is told: distances, PSNR, the same-connectivity question, reports.
+//! What is measured and how it is told: distances, PSNR, the same-connectivity question, resized images, reports.
 
 mod measure;
 mod report;
+#[cfg(feature = "encode")]
+mod resize;
 mod same;
 #[cfg(feature = "encode")]
 mod verify;
 
 pub use measure::{CompareOptions, Comparison, HausdorffBounds, OneSided, compare, heatmap, psnr};
 pub use report::json::Json;
+#[cfg(feature = "encode")]
+pub use resize::{ResizePoint, ResizeTable, image_of, resize_table, resize_to_psnr, scaled_size, surface_of, usual_side};
 pub use same::{Correspondence, Verdict, same};
 #[cfg(feature = "encode")]
 pub use verify::{Check, Verification, verify};

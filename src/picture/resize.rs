@@ -20,7 +20,13 @@ pub fn saliency_png(image: &GeometryImage, options: &ResizeOptions) -> Result<Ve
 ///
 /// # Errors
 /// As [`ResizeOptions::resize`], and methods under which samples do not come from one place each.
-pub fn warp_png(image: &GeometryImage, options: &ResizeOptions, width: usize, height: usize, task: Task<'_>) -> Result<Vec<u8>> {
+pub fn warp_png(
+    image: &GeometryImage,
+    options: &ResizeOptions,
+    width: usize,
+    height: usize,
+    task: Task<'_>,
+) -> Result<Vec<u8>> {
     /// Lines along the longer side, and pixels along it.
     const LINES: usize = 50;
     const PIXELS: usize = 1000;
@@ -55,7 +61,8 @@ pub fn warp_png(image: &GeometryImage, options: &ResizeOptions, width: usize, he
             });
             let sample = energy.at(place[0].round() as usize, place[1].round() as usize);
             // Saliency warm on white, lines dark.
-            let colour = if crossed { [40, 40, 60] } else { [255.0, 255.0 - 120.0 * sample, 255.0 - 200.0 * sample].map(|c| c as i32) };
+            let colour =
+                if crossed { [40, 40, 60] } else { [255.0, 255.0 - 120.0 * sample, 255.0 - 200.0 * sample].map(|c| c as i32) };
             (0..3).for_each(|i| planes[i].push(colour[i]));
         }
     }

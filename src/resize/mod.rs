@@ -19,5 +19,5 @@ mod test_images;
 mod warp;
 
 pub(crate) use field::Field;
-pub(crate) use saliency::{Energy, saliency};
 pub use options::{ResizeMethod, ResizeOptions, Resized};
+pub(crate) use saliency::{Energy, saliency};

@@ -336,7 +336,8 @@ mod tests {
     #[test]
     fn the_history_tells_method_sizes_shares_and_steps() {
         let image = bump(30, 20, 0.3);
-        let told = |options: &ResizeOptions| options.history(&image, &options.resize(&image, 20, 15, &Task::default()).unwrap());
+        let told =
+            |options: &ResizeOptions| options.history(&image, &options.resize(&image, 20, 15, &Task::default()).unwrap());
         let by = ResizeOptions::new;
         assert_eq!(
             told(&by(ResizeMethod::Content).alpha(0.25)),

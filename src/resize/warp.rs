@@ -235,7 +235,7 @@ fn mirror_row(row: &mut [f64]) {
         let odd = (row[i] - row[last - i]) / 2.0;
         (row[i], row[last - i]) = (odd, -odd);
     }
-    if last % 2 == 0 {
+    if last.is_multiple_of(2) {
         row[last / 2] = 0.0;
     }
 }
