@@ -144,6 +144,7 @@ impl Error {
             }
             Self::Mesh(MeshDefect::Empty | MeshDefect::NonFinite { .. } | MeshDefect::IndexOutOfRange { .. }) => None,
             Self::Mesh(_) => Some("`gimc inspect MESH` tells all that is wrong with it".into()),
+            Self::NoConvergence { .. } => Some("`--method cgim` keeps the mesh's own triangles and needs no map of it".into()),
             _ => None,
         }
     }

@@ -86,6 +86,8 @@ pub use decode::{ChunkInfo, Decoder, Info};
 #[cfg(feature = "encode")]
 pub use encode::Encoded;
 pub use error::{Error, MeshDefect, Place, Result};
+#[cfg(feature = "encode")]
+pub use gim::{Adjustment, Param, Resample, Sampling};
 pub use limits::Limits;
 pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Label, LabelKind, Loaded, Mesh, Places, Scalar};
 #[cfg(feature = "encode")]

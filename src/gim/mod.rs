@@ -7,6 +7,7 @@ mod adjust;
 mod fit;
 mod gradient;
 mod map;
+mod resample;
 mod sampling;
 mod spread;
 #[cfg(test)]
@@ -14,11 +15,13 @@ mod tests;
 mod zhou;
 
 pub(crate) use map::Map;
-pub(crate) use sampling::Sampling;
+pub use resample::{Adjustment, Resample};
+pub use sampling::Sampling;
+
+pub use crate::param::Param;
 
 use crate::error::{Error, MeshDefect, Result};
 use crate::mesh::{HalfEdges, Union};
-use crate::param::Param;
 use crate::plane::GeometryImage;
 use crate::task::Task;
 

@@ -7,7 +7,8 @@ use crate::plane::Gluing;
 
 /// How samples are spread over the square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum Sampling {
+#[non_exhaustive]
+pub enum Sampling {
     /// At equal distances.
     #[default]
     Regular,
@@ -22,7 +23,7 @@ pub(crate) enum Sampling {
 
 impl Sampling {
     /// Zhou et al. with the usual number of rounds.
-    pub(crate) const ZHOU: Self = Self::Zhou { rounds: 5 };
+    pub const ZHOU: Self = Self::Zhou { rounds: 5 };
 
     /// `side` × `side` points of the square, row by row; rows rise with the first coordinate. `vertices` are those of the surface.
     pub(super) fn points(self, side: usize, gluing: Gluing, vertices: impl Fn() -> Vec<DVec2>) -> Vec<DVec2> {

@@ -119,7 +119,8 @@ impl Chart {
             weighted += a * s2;
             flat += 0.5 * cross(self.flat(f));
         }
-        (weighted * flat).sqrt() / area
+        // What has no area is not stretched.
+        if area > 0.0 { (weighted * flat).sqrt() / area } else { 1.0 }
     }
 
     /// Triangles that cover the unit square, each with the number of the surface's triangle that it is a copy of.

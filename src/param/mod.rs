@@ -12,6 +12,8 @@ mod cones;
 mod newton;
 mod orbifold;
 mod split;
+#[cfg(test)]
+mod tests;
 mod weights;
 mod yoshizawa;
 
@@ -27,7 +29,8 @@ use crate::task::Task;
 
 /// How the inside of a chart is laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum Param {
+#[non_exhaustive]
+pub enum Param {
     /// Every vertex is the mean of its neighbours (Tutte 1963; paper 000's "barycentric mapping").
     Tutte,
     /// Neighbours weigh by mean-value coordinates (Floater 2003).

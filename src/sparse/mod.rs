@@ -7,6 +7,8 @@ mod cg;
 mod cholesky;
 mod general;
 mod pattern;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use cg::{Conjugate, conjugate_gradients};
 pub(crate) use cholesky::Cholesky;

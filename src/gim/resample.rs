@@ -1,0 +1,107 @@
+//! What users ask for: a mesh as geometry images, with every part of the papers selectable alone.
+
+use super::{Adjust, Atlas, ImageRequest, Sampling, geometry_images};
+use crate::error::Result;
+use crate::mesh::{HalfEdges, Mesh};
+use crate::param::Param;
+use crate::plane::GeometryImage;
+use crate::task::Task;
+
+/// What is done to samples once they are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Adjustment {
+    /// Nothing.
+    #[default]
+    None,
+    /// Moved where the greatest distance to the mesh falls (paper 000, Algorithms 1 to 3).
+    Hausdorff,
+    /// Moved along their normals until the mean distance is least.
+    Fit,
+}
+
+/// How a mesh is sampled as geometry images.
+///
+/// ```
+/// let mesh = gimc::Mesh::open("corpus/meshes/sphere.ply")?;
+/// let images = gimc::Resample::new(33).images(&mesh, &gimc::Task::default())?;
+/// assert_eq!(images[0].gluing(), gimc::Gluing::Orbifold); // a closed surface has no seam
+/// let back = gimc::Mesh::from_triangles(images[0].points().to_vec(), images[0].triangles());
+/// # assert_eq!(back.faces.len(), 2 * 32 * 32);
+/// # Ok::<(), gimc::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Resample {
+    /// Samples a side; odd for closed surfaces. Where a mesh has several components, that of the largest.
+    pub side: usize,
+    /// How the surface is flattened.
+    pub param: Param,
+    /// Where samples are taken.
+    pub sampling: Sampling,
+    /// What is done to them.
+    pub adjust: Adjustment,
+}
+
+impl Resample {
+    /// Low stretch, regular samples: good for most.
+    pub fn new(side: usize) -> Self {
+        Self { side, param: Param::default(), sampling: Sampling::default(), adjust: Adjustment::default() }
+    }
+
+    /// The papers' own choices: Yoshizawa's parametrisation, regular samples moved by the Hausdorff distance.
+    pub fn paper(side: usize) -> Self {
+        Self { adjust: Adjustment::Hausdorff, ..Self::new(side) }
+    }
+
+    /// As near as can be quickly: least stretch, samples fitted.
+    pub fn quality(side: usize) -> Self {
+        Self { param: Param::Stretch, adjust: Adjustment::Fit, ..Self::new(side) }
+    }
+
+    /// The same with another parametrisation.
+    pub fn param(mut self, param: Param) -> Self {
+        self.param = param;
+        self
+    }
+
+    /// The same with samples taken elsewhere.
+    pub fn sampling(mut self, sampling: Sampling) -> Self {
+        self.sampling = sampling;
+        self
+    }
+
+    /// The same with samples moved otherwise.
+    pub fn adjust(mut self, adjust: Adjustment) -> Self {
+        self.adjust = adjust;
+        self
+    }
+
+    /// The images of a mesh, one for each of its components, in the order of their first vertices.
+    ///
+    /// # Errors
+    /// Meshes that are not manifold and oriented, components with handles or with more than one boundary loop, and
+    /// [`Error::NoConvergence`](crate::Error::NoConvergence) where rounding leaves no map without folds.
+    pub fn images(&self, mesh: &Mesh, task: &Task<'_>) -> Result<Vec<GeometryImage>> {
+        mesh.check()?;
+        let edges = HalfEdges::new(mesh.positions.len(), mesh.faces.triangles())?;
+        let adjust = match self.adjust {
+            Adjustment::None => Adjust::None,
+            Adjustment::Hausdorff => Adjust::Hausdorff,
+            Adjustment::Fit => Adjust::Fit,
+        };
+        let request = ImageRequest { side: self.side, param: self.param, sampling: self.sampling, adjust };
+        geometry_images(&edges, &mesh.positions, &request, task)
+    }
+
+    /// How much each component is stretched by its parametrisation: 1 where it is only scaled.
+    ///
+    /// # Errors
+    /// As [`Resample::images`].
+    pub fn stretch(&self, mesh: &Mesh, task: &Task<'_>) -> Result<Vec<f64>> {
+        mesh.check()?;
+        let edges = HalfEdges::new(mesh.positions.len(), mesh.faces.triangles())?;
+        let atlas = Atlas::new(&edges, &mesh.positions, self.param, task)?;
+        Ok(atlas.maps().iter().map(super::Map::stretch).collect())
+    }
+}
