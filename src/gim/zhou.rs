@@ -101,9 +101,10 @@ mod tests {
         let side = 17;
         let regular: Vec<DVec2> =
             (0..side * side).map(|i| DVec2::new((i / side) as f64, (i % side) as f64) / (side - 1) as f64).collect();
+        // A crowd of vertices by the middle of the first row.
         let vertices: Vec<DVec2> =
-            (0..400).map(|i| DVec2::new(0.3 + 0.005 * (i % 20) as f64, 0.3 + 0.005 * (i / 20) as f64)).collect();
-        let near = |points: &[DVec2]| points.iter().filter(|p| p.distance(DVec2::splat(0.35)) < 0.15).count();
+            (0..400).map(|i| DVec2::new(0.005 * f64::from(i % 20), 0.45 + 0.005 * f64::from(i / 20))).collect();
+        let near = |points: &[DVec2]| points.iter().filter(|p| p.distance(DVec2::new(0.05, 0.5)) < 0.15).count();
         for gluing in [Gluing::Open, Gluing::Orbifold] {
             let drawn = draw(regular.clone(), side, gluing, &vertices, 5);
             assert!(near(&drawn) > near(&regular));

@@ -55,11 +55,12 @@ pub(crate) fn flatten(mesh: HalfEdges, positions: Vec<DVec3>, param: Param, task
     let mut chart = match loops.len() {
         0 if euler == 2 => orbifold::lay_out(mesh, positions, param, task)?,
         1 if euler == 1 => border::lay_out(mesh, positions, param, task)?,
-        _ => {
-            return Err(Error::Parameter(format!(
-                "a surface of Euler number {euler} with {} boundary loops is not one chart",
-                loops.len()
-            )));
+        count if euler + count as i64 == 2 => {
+            return Err(Error::Parameter(format!("a component with {count} boundary loops; a chart has at most one")));
+        }
+        count => {
+            let handles = (2 - euler - count as i64) / 2;
+            return Err(Error::Parameter(format!("a component with {handles} handles; a chart has none")));
         }
     };
     if param == Param::Stretch && chart.folds() == 0 {

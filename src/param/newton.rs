@@ -19,6 +19,9 @@ const DIRICHLET: f64 = 0.3;
 /// Steps at most.
 const STEPS: usize = 25;
 
+/// On very large surfaces fewer steps are taken, so that all of them together solve for so many triangles at most.
+const WORK: usize = 6_000_000;
+
 /// The relative decrease below which nothing more is to be had.
 const ENOUGH: f64 = 1e-4;
 
@@ -50,8 +53,9 @@ pub(super) fn improve(chart: &mut Chart, task: &Task<'_>) -> Result<()> {
     }
     let (solver, slots) = analyse(chart, &unknown, count)?;
     let mut energy = total(chart, &rest, &chart.w);
-    for step in 0..STEPS {
-        task.step(step as f64 / STEPS as f64)?;
+    let steps = STEPS.min(1 + WORK / chart.faces().max(1));
+    for step in 0..steps {
+        task.step(step as f64 / steps as f64)?;
         if !energy.is_finite() {
             break;
         }

@@ -95,13 +95,37 @@ fn every_way_to_sample_a_closed_surface_keeps_it_closed() {
     }
 }
 
+/// A long thin finger on a round foot: Tutte's map crowds its tip into the middle of the square.
+fn finger() -> Mesh {
+    let (around, rings) = (24_u32, 30_u32);
+    let mut positions = Vec::new();
+    for ring in 0..rings {
+        for i in 0..around {
+            let angle = (f64::from(i) + 0.5 * f64::from(ring % 2)) / f64::from(around) * std::f64::consts::TAU;
+            positions.push([angle.cos(), angle.sin(), 0.3 * f64::from(ring)]);
+        }
+    }
+    positions.push([0.0, 0.0, 0.3 * f64::from(rings) + 0.5]);
+    let at = |ring: u32, i: u32| ring * around + i % around;
+    let mut triangles = Vec::new();
+    for i in 0..around {
+        for ring in 0..rings - 1 {
+            let shift = ring % 2;
+            triangles.push([at(ring, i), at(ring, i + 1), at(ring + 1, i + shift)]);
+            triangles.push([at(ring, i + 1 - shift), at(ring + 1, i + 1), at(ring + 1, i)]);
+        }
+        triangles.push([at(rings - 1, i), at(rings - 1, i + 1), rings * around]);
+    }
+    Mesh::from_triangles(positions, triangles)
+}
+
 #[test]
 fn equal_densities_of_vertices_rescue_what_tutte_crowds() {
-    let mesh = corpus("bumpy_sphere");
+    let mesh = finger();
     let tutte = Resample::new(65).param(Param::Tutte);
     let [regular, equal] = [Sampling::Regular, Sampling::Equalise]
         .map(|sampling| quality(&mesh, &images(&mesh, &tutte.clone().sampling(sampling))[0]).0);
-    assert!(equal > regular, "{regular} to {equal}");
+    assert!(equal > regular + 3.0, "{regular} to {equal}");
 }
 
 #[test]

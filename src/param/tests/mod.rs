@@ -37,7 +37,7 @@ fn check(chart: &Chart) {
 
 #[test]
 fn closed_surfaces_cover_the_square_once_without_folds() {
-    for name in ["bumpy_sphere", "sphere", "block"] {
+    for name in ["bumpy_sphere", "sphere"] {
         for param in [Param::Tutte, Param::MeanValue, Param::Yoshizawa, Param::Stretch] {
             let chart = flat(name, param);
             assert!(chart.is_closed());
@@ -83,7 +83,7 @@ fn points_that_all_coincide_still_have_a_map() {
 
 #[test]
 fn handles_and_holes_are_refused_by_name() {
-    for (name, what) in [("genus_5", "5 handles"), ("torus_with_holes", "1 handles")] {
+    for (name, what) in [("genus_5", "5 handles"), ("torus_with_holes", "1 handles"), ("block", "1 handles")] {
         let (mesh, positions) = corpus(name);
         let error = flatten(mesh, positions, Param::Tutte, &Task::default()).unwrap_err();
         assert!(error.to_string().contains(what), "{error}");
