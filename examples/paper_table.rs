@@ -5,7 +5,8 @@
 //! further arguments choose among these.
 
 use gimc::eval::{CompareOptions, compare};
-use gimc::{Adjustment, Error, Mesh, Param, Resample, Sampling, Task};
+use gimc::resample::{Adjustment, Param, Resample, Sampling};
+use gimc::{Error, Mesh, Task};
 
 /// File, samples a side, and what the paper prints: psnr of regular sampling, of Zhou et al., of its own, and the Hausdorff
 /// distance before and after adjustment.

@@ -86,8 +86,6 @@ pub use decode::{ChunkInfo, Decoder, Info};
 #[cfg(feature = "encode")]
 pub use encode::Encoded;
 pub use error::{Error, MeshDefect, Place, Result};
-#[cfg(feature = "encode")]
-pub use gim::{Adjustment, Param, Resample, Sampling};
 pub use limits::Limits;
 pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Label, LabelKind, Loaded, Mesh, Places, Scalar};
 #[cfg(feature = "encode")]
@@ -98,6 +96,12 @@ pub use plane::{GeometryImage, Gluing, Lattice};
 pub use resize::{ResizeMethod, ResizeOptions, Resized};
 pub use surface::Effort;
 pub use task::Task;
+
+/// Meshes sampled anew as geometry images, with every part of the chain to be chosen alone; no file is involved.
+#[cfg(feature = "encode")]
+pub mod resample {
+    pub use crate::gim::{Adjustment, Param, Resample, Sampling};
+}
 
 /// Doors into single rooms, for fuzzers. No part of the interface: they may change at any time.
 #[cfg(all(feature = "inner", feature = "encode"))]

@@ -24,7 +24,7 @@ pub enum Adjustment {
 ///
 /// ```
 /// let mesh = gimc::Mesh::open("corpus/meshes/sphere.ply")?;
-/// let images = gimc::Resample::new(33).images(&mesh, &gimc::Task::default())?;
+/// let images = gimc::resample::Resample::new(33).images(&mesh, &gimc::Task::default())?;
 /// assert_eq!(images[0].gluing(), gimc::Gluing::Orbifold); // a closed surface has no seam
 /// let back = gimc::Mesh::from_triangles(images[0].points().to_vec(), images[0].triangles());
 /// # assert_eq!(back.faces.len(), 2 * 32 * 32);
@@ -44,19 +44,9 @@ pub struct Resample {
 }
 
 impl Resample {
-    /// Low stretch, regular samples: good for most.
+    /// Yoshizawa's parametrisation, regular samples that stay where they are.
     pub fn new(side: usize) -> Self {
         Self { side, param: Param::default(), sampling: Sampling::default(), adjust: Adjustment::default() }
-    }
-
-    /// The papers' own choices: Yoshizawa's parametrisation, regular samples moved by the Hausdorff distance.
-    pub fn paper(side: usize) -> Self {
-        Self { adjust: Adjustment::Hausdorff, ..Self::new(side) }
-    }
-
-    /// As near as can be quickly: least stretch, samples fitted.
-    pub fn quality(side: usize) -> Self {
-        Self { param: Param::Stretch, adjust: Adjustment::Fit, ..Self::new(side) }
     }
 
     /// The same with another parametrisation.
