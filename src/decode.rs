@@ -6,13 +6,14 @@ mod info;
 
 pub use info::{ChunkInfo, Info};
 
+use crate::bits::Reader;
 #[cfg(feature = "exr")]
 use crate::codec::Exr;
 use crate::codec::j2k::{self, J2k};
 use crate::codec::{PlaneCodec, Raw};
 use crate::error::{Error, Place, Result};
 use crate::extras::Parts;
-use crate::format::{Chunks, Header, MbcimChunk, PlanesChunk, RecipeChunk, SurfaceChunk};
+use crate::format::{Chunks, Header, MbcimChunk, PlanesChunk, RecipeChunk, STAGE, SurfaceChunk, read_stage};
 use crate::images::{self, Pixels};
 use crate::limits::{Budget, Limits};
 use crate::mesh::{Attribute, AttributeKind, Domain, Mesh, Scalar};
@@ -35,7 +36,7 @@ pub struct Decoder<'a> {
 /// What the codec of a file needs.
 #[derive(Debug)]
 enum Body<'a> {
-    Surface(SurfaceChunk<'a>),
+    Surface { chunk: SurfaceChunk<'a>, stages: Vec<Reader<'a>> },
     Mbcim { chunk: MbcimChunk<'a>, stages: Vec<&'a [u8]> },
     Planes { chunk: PlanesChunk<'a>, codec: Box<dyn PlaneCodec>, name: &'static str },
 }
@@ -62,16 +63,17 @@ impl<'a> Decoder<'a> {
         let (vertices, _) = parts.surface_size(&header);
         let body = match header.codec {
             Header::SURFACE => {
-                let surface = SurfaceChunk::read(chunks.one(SurfaceChunk::TAG)?.reader())?;
-                if vertices.checked_add(surface.holes).is_none() {
-                    let why = format!("{vertices} vertices and {} holes do not fit 32 bits", surface.holes);
+                let chunk = SurfaceChunk::read(chunks.one(SurfaceChunk::TAG)?.reader())?;
+                if vertices.checked_add(chunk.holes).is_none() {
+                    let why = format!("{vertices} vertices and {} holes do not fit 32 bits", chunk.holes);
                     return Err(Error::malformed(Place::Whole, why));
                 }
-                Body::Surface(surface)
+                let stages = chunks.iter().filter(|chunk| chunk.tag == STAGE).map(|chunk| chunk.reader());
+                Body::Surface { stages: stages.take(chunk.stages.len()).collect(), chunk }
             }
             Header::MBCIM => {
                 let chunk = MbcimChunk::read(chunks.one(MbcimChunk::TAG)?.reader(), &mut Budget::new(limits))?;
-                let stages = chunks.iter().filter(|chunk| chunk.tag == MbcimChunk::STAGE).map(|chunk| chunk.payload);
+                let stages = chunks.iter().filter(|chunk| chunk.tag == STAGE).map(|chunk| chunk.payload);
                 Body::Mbcim { chunk, stages: stages.collect() }
             }
             codec => {
@@ -88,8 +90,10 @@ impl<'a> Decoder<'a> {
 
     /// Decodes no more than the first `count` stages beside the base; all of them if there are fewer.
     pub fn stages(mut self, count: usize) -> Self {
-        if let Body::Mbcim { stages, .. } = &mut self.body {
-            stages.truncate(count);
+        match &mut self.body {
+            Body::Surface { stages, .. } => stages.truncate(count),
+            Body::Mbcim { stages, .. } => stages.truncate(count),
+            Body::Planes { .. } => {}
         }
         self
     }
@@ -168,12 +172,17 @@ impl<'a> Decoder<'a> {
         budget.check_vertices(vertices.into())?;
         let is_plain = self.parts.fixes.is_none();
         let decoded = match &self.body {
-            Body::Surface(chunk) => {
+            Body::Surface { chunk, stages } => {
                 let census = census(vertices, chunk);
-                let streams = chunk.positions(surface::ranges(census).len())?;
-                let effort = self.info.effort;
-                let (surface, positions) =
-                    surface::read(chunk.connectivity, &streams, census, header.extent, effort, budget, task)?;
+                let count = surface::ranges(census).len();
+                let mut positions = vec![chunk.positions(count)?];
+                for stage in stages {
+                    positions.push(read_stage(stage.clone(), count)?);
+                }
+                let plan = surface::Plan { effort: self.info.effort, stages: &chunk.stages };
+                let (connectivity, extent) = (chunk.connectivity, header.extent);
+                let coded = surface::Coded { plan, census, extent, connectivity, positions };
+                let (surface, positions) = surface::read(&coded, budget, task)?;
                 let skin = if is_plain { Skin::plain(surface.real_triangles()) } else { surface.skin() };
                 return Ok(Decoded { skin, positions, triangles: census.closed_faces(), normals: Vec::new(), pixels: None });
             }

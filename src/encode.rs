@@ -9,7 +9,7 @@ use crate::cgim::Search;
 use crate::decode::{Decoder, Info};
 use crate::error::{Error, MeshDefect, Result};
 use crate::extras::{self, Coded};
-use crate::format::{ChunkWriter, Extras, Header, LatticeForm, MAX_EXTENT, PlanesChunk, RecipeChunk, SurfaceChunk};
+use crate::format::{self, ChunkWriter, Extras, Header, LatticeForm, MAX_EXTENT, PlanesChunk, RecipeChunk, STAGE, SurfaceChunk};
 use crate::images;
 use crate::limits::Limits;
 use crate::mesh::{Attribute, AttributeKind, Domain, Front, HalfEdges, Mesh, Scalar};
@@ -83,10 +83,13 @@ impl EncodeOptions {
         let (body, coded) = self.write_surface(&source, &mut header, &mut notes, task)?;
         let mut writer = ChunkWriter::new();
         writer.chunk(Header::TAG, &header.write());
+        // Stages last, so that whatever is cut off is only finer positions.
+        let (stages, body): (Chunks, Chunks) = body.into_iter().partition(|(tag, _)| *tag == STAGE);
         body.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
         if header.extras != Extras::default() {
             extras::write(&mut writer, &header, mesh, &positions, &front, &coded()?)?;
         }
+        stages.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
         let mut bytes = writer.into_bytes();
         if self.image.search > 1 && matches!(self.codec, Codec::Surface | Codec::Mbcim) && !self.image.paper {
             let recipe = self.recipe(&bytes, task)?;
@@ -141,10 +144,14 @@ impl EncodeOptions {
         let (chunks, order) = match self.codec {
             Codec::Surface => {
                 let filled = Filled::new(surface);
-                let (streams, walked) = surface::write(&filled, source.positions, header.extent, self.effort, task)?;
+                let plan = surface::Plan { effort: self.effort, stages: &self.image.stages };
+                let (streams, walked) = surface::write(&filled, source.positions, header.extent, plan, task)?;
                 let census = [filled.census.holes, filled.census.components, filled.census.handles];
-                let chunk = SurfaceChunk::write(self.effort as u8, census, &streams.connectivity, &streams.positions);
-                (vec![(SurfaceChunk::TAG, chunk)], Err(walked))
+                let mut stages = streams.positions.iter();
+                let first = stages.next().map_or(&[][..], Vec::as_slice);
+                let chunk = SurfaceChunk::write(plan.effort as u8, plan.stages, census, &streams.connectivity, first);
+                let later = stages.map(|streams| (STAGE, format::write_stage(streams)));
+                (std::iter::once((SurfaceChunk::TAG, chunk)).chain(later).collect(), Err(walked))
             }
             Codec::Mbcim => {
                 let search = self.search();

@@ -87,7 +87,7 @@ impl Info {
         let (vertices, faces) = beside.surface_size(header);
         let mut triangles = u64::from(faces);
         let (codec, effort, connectivity, positions, mut cost) = match body {
-            Body::Surface(chunk) => {
+            Body::Surface { chunk, stages } => {
                 let effort = match chunk.effort {
                     0 => Effort::Fast,
                     1 => Effort::Default,
@@ -97,7 +97,9 @@ impl Info {
                 let connectivity = chunk.connectivity.len() as u64;
                 let census = census(vertices, chunk);
                 triangles = census.closed_faces();
-                ("surface", effort, connectivity, chunk.positions_size(), surface::cost(census))
+                let later: usize = stages.iter().map(|stage| stage.clone().rest().len()).sum();
+                let cost = surface::cost(census, stages.len() as u64 + 1);
+                ("surface", effort, connectivity, chunk.positions_size() + later as u64, cost)
             }
             Body::Mbcim { chunk, stages } => {
                 let positions = chunk.colours.len() + stages.iter().map(|stage| stage.len()).sum::<usize>();
@@ -110,8 +112,9 @@ impl Info {
             }
         };
         let (stages, stages_present) = match body {
+            Body::Surface { chunk, stages } => (chunk.stages.clone(), stages.len()),
             Body::Mbcim { chunk, stages } => (chunk.stages.clone(), stages.len().min(chunk.stages.len())),
-            _ => (Vec::new(), 0),
+            Body::Planes { .. } => (Vec::new(), 0),
         };
         let (mut boundaries, mut connectivity_exact, mut layers, mut normal_bits) = (None, true, None, 0);
         if let Body::Planes { chunk, .. } = body {

@@ -1,6 +1,9 @@
-//! Chunk `MBCI`: an image as index map and base colours, and `STGE`: what refines them (spec/format.md).
+//! Chunk `MBCI`: an image as index map and base colours (spec/format.md).
 
 use super::side;
+use super::stage::read_stages;
+#[cfg(feature = "encode")]
+use super::stage::write_stages;
 use crate::bits::Reader;
 #[cfg(feature = "encode")]
 use crate::bits::Writer;
@@ -26,16 +29,13 @@ pub(crate) struct MbcimChunk<'a> {
 
 impl<'a> MbcimChunk<'a> {
     pub(crate) const TAG: [u8; 4] = *b"MBCI";
-    /// One stage, in order; a file that ends before one decodes to what is there.
-    pub(crate) const STAGE: [u8; 4] = *b"stge";
 
     #[cfg(feature = "encode")]
     pub(crate) fn write(&self) -> Vec<u8> {
         let mut w = Writer::default();
         side::write(&mut w, &self.side, &[]);
         w.varint(self.regions.into());
-        w.u8(self.stages.len() as u8);
-        w.bytes(&self.stages);
+        write_stages(&mut w, &self.stages);
         w.u8(u8::from(self.raster.is_some()));
         self.raster.iter().flatten().for_each(|&n| w.varint(n.into()));
         w.varint(self.map.len() as u64);
@@ -52,12 +52,7 @@ impl<'a> MbcimChunk<'a> {
         }
         let side_size = before - r.clone().rest().len();
         let regions = number(&mut r, "the regions")?;
-        let count = r.u8("the stages")?;
-        let stages = r.take(count.into(), "the bits of the stages")?.to_vec();
-        let bits: u32 = stages.iter().map(|&b| u32::from(b)).sum();
-        if bits > super::MAX_BITS || stages.contains(&0) {
-            return Err(r.error(format!("stages of {stages:?} bits, 1 to {} together expected", super::MAX_BITS)));
-        }
+        let stages = read_stages(&mut r)?;
         let raster = match r.u8("the form of the index map")? {
             0 => None,
             1 => Some([number(&mut r, "the rows")?, number(&mut r, "the columns")?]),

@@ -12,6 +12,7 @@ mod mbcim;
 mod planes;
 mod recipe;
 mod side;
+mod stage;
 mod surface;
 
 #[cfg(feature = "encode")]
@@ -23,7 +24,10 @@ pub(crate) use labels::LabelsChunk;
 pub(crate) use mbcim::MbcimChunk;
 pub(crate) use planes::{Borders, PlanesChunk};
 pub(crate) use recipe::RecipeChunk;
-pub(crate) use surface::SurfaceChunk;
+pub(crate) use stage::STAGE;
+#[cfg(feature = "encode")]
+pub(crate) use surface::write_stage;
+pub(crate) use surface::{SurfaceChunk, read_stage};
 
 /// The order that a mesh had (spec/any-mesh.md, "ORDR"); the payload is one stream.
 pub(crate) const ORDER_TAG: [u8; 4] = *b"ORDR";

@@ -1,5 +1,8 @@
 //! Chunk `SURF`: the streams of the surface codec (spec/format.md, "SURF").
 
+use super::stage::read_stages;
+#[cfg(feature = "encode")]
+use super::stage::write_stages;
 use crate::bits::Reader;
 #[cfg(feature = "encode")]
 use crate::bits::Writer;
@@ -10,43 +13,47 @@ use crate::error::Result;
 pub(crate) struct SurfaceChunk<'a> {
     /// How the streams are coded: 0 fast, 1 default, 2 best.
     pub(crate) effort: u8,
+    /// Bits that each stage after the first adds to every coordinate.
+    pub(crate) stages: Vec<u8>,
     pub(crate) holes: u32,
     pub(crate) components: u32,
     pub(crate) handles: u32,
     pub(crate) connectivity: &'a [u8],
-    /// What follows the connectivity: the position streams, one after the other.
+    /// What follows the connectivity: the position streams of the first stage, one after the other.
     positions: Reader<'a>,
 }
 
 impl<'a> SurfaceChunk<'a> {
     pub(crate) const TAG: [u8; 4] = *b"SURF";
 
+    /// Said with the effort where there are stages.
+    const STAGED: u8 = 4;
+
     #[cfg(feature = "encode")]
     pub(crate) fn write(
         effort: u8,
+        stages: &[u8],
         [holes, components, handles]: [u32; 3],
         connectivity: &[u8],
         positions: &[Vec<u8>],
     ) -> Vec<u8> {
         let mut w = Writer::default();
-        w.u8(effort);
+        w.u8(effort | if stages.is_empty() { 0 } else { Self::STAGED });
+        if !stages.is_empty() {
+            write_stages(&mut w, stages);
+        }
         w.varint(holes.into());
         w.varint(components.into());
         w.varint(handles.into());
         w.varint(connectivity.len() as u64);
         w.bytes(connectivity);
-        if let Some((last, others)) = positions.split_last() {
-            for stream in others {
-                w.varint(stream.len() as u64);
-                w.bytes(stream);
-            }
-            w.bytes(last);
-        }
+        write_streams(&mut w, positions);
         w.into_bytes()
     }
 
     pub(crate) fn read(mut r: Reader<'a>) -> Result<Self> {
         let effort = r.u8("the effort")?;
+        let stages = if effort & Self::STAGED != 0 { read_stages(&mut r)? } else { Vec::new() };
         let mut count = |what| {
             let n = r.varint(what)?;
             u32::try_from(n).map_err(|_| r.error(format!("{what} do not fit 32 bits: {n}")))
@@ -54,23 +61,47 @@ impl<'a> SurfaceChunk<'a> {
         let (holes, components, handles) = (count("the holes")?, count("the components")?, count("the handles")?);
         let length = r.varint("the length of the connectivity")?;
         let connectivity = r.take(usize::try_from(length).unwrap_or(usize::MAX), "the connectivity")?;
-        Ok(Self { effort, holes, components, handles, connectivity, positions: r })
+        Ok(Self { effort: effort & !Self::STAGED, stages, holes, components, handles, connectivity, positions: r })
     }
 
-    /// The bytes of the position streams, with their lengths.
+    /// The bytes of the position streams of the first stage, with their lengths.
     pub(crate) fn positions_size(&self) -> u64 {
         self.positions.clone().rest().len() as u64
     }
 
-    /// The position streams; the last takes all that is left.
+    /// The position streams of the first stage.
     pub(crate) fn positions(&self, count: usize) -> Result<Vec<&'a [u8]>> {
-        let mut r = self.positions.clone();
-        let mut streams = Vec::new();
-        for _ in 1..count {
-            let length = r.varint("the length of a position stream")?;
-            streams.push(r.take(usize::try_from(length).unwrap_or(usize::MAX), "a position stream")?);
-        }
-        streams.push(r.rest());
-        Ok(streams)
+        read_stage(self.positions.clone(), count)
     }
+}
+
+/// Writes streams, one after the other; the last takes all that is left.
+#[cfg(feature = "encode")]
+fn write_streams(w: &mut Writer, streams: &[Vec<u8>]) {
+    if let Some((last, others)) = streams.split_last() {
+        for stream in others {
+            w.varint(stream.len() as u64);
+            w.bytes(stream);
+        }
+        w.bytes(last);
+    }
+}
+
+/// The streams of a later stage as the payload of its chunk.
+#[cfg(feature = "encode")]
+pub(crate) fn write_stage(streams: &[Vec<u8>]) -> Vec<u8> {
+    let mut w = Writer::default();
+    write_streams(&mut w, streams);
+    w.into_bytes()
+}
+
+/// Reads `count` streams.
+pub(crate) fn read_stage(mut r: Reader<'_>, count: usize) -> Result<Vec<&[u8]>> {
+    let mut streams = Vec::new();
+    for _ in 1..count {
+        let length = r.varint("the length of a position stream")?;
+        streams.push(r.take(usize::try_from(length).unwrap_or(usize::MAX), "a position stream")?);
+    }
+    streams.push(r.rest());
+    Ok(streams)
 }

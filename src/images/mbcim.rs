@@ -21,6 +21,8 @@ use crate::entropy::BitReader;
 use crate::entropy::BitWriter;
 use crate::error::{Error, Place, Result};
 use crate::format::MbcimChunk;
+#[cfg(feature = "encode")]
+use crate::format::STAGE;
 use crate::limits::Budget;
 #[cfg(feature = "encode")]
 use crate::mesh::HalfEdges;
@@ -93,7 +95,7 @@ pub(crate) fn write_mbcim(
         let finer: Vec<[i32; 3]> = colours.iter().map(|c| c.map(|x| x >> rest)).collect();
         let mut coder = BitWriter::default();
         stage::code(&mut coder, &meetings, bits.into(), extent.map(|e| e >> rest), &mut coarse, Some(&finer))?;
-        chunks.push((MbcimChunk::STAGE, coder.finish()));
+        chunks.push((STAGE, coder.finish()));
     }
     Ok(Streams { chunks, triangles, order })
 }

@@ -23,6 +23,7 @@ mod walk;
 pub(crate) use topology::Filled;
 pub(crate) use topology::{Census, Skin, Surface};
 
+use self::stretch::Coarse;
 use crate::entropy::{BitCoder, BitReader, BitWriter};
 use crate::error::Result;
 use crate::limits::Budget;
@@ -49,8 +50,8 @@ const VERTICES_A_STREAM: u32 = 1 << 18;
 #[derive(Debug, Default)]
 pub(crate) struct Streams {
     pub(crate) connectivity: Vec<u8>,
-    /// One stream for each range of vertices that [`ranges`] gives.
-    pub(crate) positions: Vec<Vec<u8>>,
+    /// For each stage: one stream for each range of vertices that [`ranges`] gives.
+    pub(crate) positions: Vec<Vec<Vec<u8>>>,
 }
 
 /// How a mesh was walked: what its half-edges and vertices have become.
@@ -72,10 +73,29 @@ pub(crate) fn ranges(census: Census) -> Vec<std::ops::Range<u32>> {
     (0..count).map(|i| at(i)..at(i + 1)).collect()
 }
 
-/// Memory and steps that reading takes at most.
-pub(crate) fn cost(census: Census) -> (u64, u64) {
+/// Memory and steps that reading so many stages takes at most.
+pub(crate) fn cost(census: Census, stages: u64) -> (u64, u64) {
     let vertices = u64::from(census.vertices) + u64::from(census.holes);
-    (walk::memory(census) + vertices * learned::BYTES_A_VERTEX, vertices * (6 + learned::STEPS_A_VERTEX))
+    (walk::memory(census) + vertices * learned::BYTES_A_VERTEX, vertices * (6 + stages * learned::STEPS_A_VERTEX))
+}
+
+/// How a surface is written.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plan<'a> {
+    pub(crate) effort: Effort,
+    /// Bits that each stage after the first adds to every coordinate.
+    pub(crate) stages: &'a [u8],
+}
+
+impl Plan<'_> {
+    /// For each stage: the bits that it adds, 0 for the first; and those still missing after it.
+    fn steps(self) -> impl Iterator<Item = (u32, u32)> {
+        let mut rest: u32 = self.stages.iter().map(|&bits| u32::from(bits)).sum();
+        std::iter::once(0).chain(self.stages.iter().map(|&bits| u32::from(bits))).map(move |bits| {
+            rest -= bits;
+            (bits, rest)
+        })
+    }
 }
 
 /// Writes a surface, and the lattice positions of its vertices (`positions[v]` of vertex v of the mesh).
@@ -84,9 +104,10 @@ pub(crate) fn write(
     filled: &Filled,
     positions: &[[i32; 3]],
     extent: [i32; 3],
-    effort: Effort,
+    plan: Plan<'_>,
     task: Task<'_>,
 ) -> Result<(Streams, Walked)> {
+    let effort = plan.effort;
     let mut budget = Budget::new(crate::Limits::default().memory(u64::MAX).work(u64::MAX).vertices(u64::MAX));
     let mut coder = BitWriter::default();
     let mut guide = original::Original::new(filled);
@@ -100,76 +121,99 @@ pub(crate) fn write(
         .iter()
         .map(|&hole| if hole { [0; 3] } else { met.next().map_or([0; 3], |&v| positions[v as usize]) })
         .collect();
-    let coded = Positions::new(&surface, extent, effort);
+    let coder = Positions::new(&surface, effort);
     let ranges = ranges(filled.census);
-    let streams = par::map(ranges.len(), |i| {
-        let range = ranges[i].clone();
-        let mut local = local[range.start as usize..range.end as usize].to_vec();
-        let mut coder = BitWriter::default();
-        coded.code(&mut coder, range, &mut local, task)?;
-        Ok(coder.finish())
-    });
-    let streams = Streams { connectivity, positions: streams.into_iter().collect::<Result<_>>()? };
-    Ok((streams, Walked { surface, order, faces }))
+    let mut streams = Vec::new();
+    let mut coarse = Vec::new();
+    for (shift, rest) in plan.steps() {
+        let finer: Vec<[i32; 3]> = local.iter().map(|p| p.map(|x| x >> rest)).collect();
+        let parts = par::map(ranges.len(), |i| {
+            let range = ranges[i].start as usize..ranges[i].end as usize;
+            let mut finer = finer[range.clone()].to_vec();
+            let coarse = (shift > 0).then(|| Coarse { shift, positions: &coarse[range] });
+            let mut bits = BitWriter::default();
+            coder.code(&mut bits, ranges[i].clone(), extent.map(|e| e >> rest), coarse, &mut finer, task)?;
+            Ok(bits.finish())
+        });
+        streams.push(parts.into_iter().collect::<Result<_>>()?);
+        coarse = finer;
+    }
+    Ok((Streams { connectivity, positions: streams }, Walked { surface, order, faces }))
 }
 
-/// Reads what [`write`] wrote: the surface, and the lattice position of each of its vertices in order.
-pub(crate) fn read(
-    connectivity: &[u8],
-    streams: &[&[u8]],
-    census: Census,
-    extent: [i32; 3],
-    effort: Effort,
-    budget: &mut Budget,
-    task: Task<'_>,
-) -> Result<(Surface, Vec<[i32; 3]>)> {
+/// What [`read`] needs.
+#[derive(Debug)]
+pub(crate) struct Coded<'a> {
+    pub(crate) plan: Plan<'a>,
+    pub(crate) census: Census,
+    pub(crate) extent: [i32; 3],
+    pub(crate) connectivity: &'a [u8],
+    /// The streams of the first stage, then those of each later one that is there.
+    pub(crate) positions: Vec<Vec<&'a [u8]>>,
+}
+
+/// Reads what [`write`] wrote, as far as there are stages: the surface, and the lattice position of each of its
+/// vertices in order.
+pub(crate) fn read(coded: &Coded<'_>, budget: &mut Budget, task: Task<'_>) -> Result<(Surface, Vec<[i32; 3]>)> {
+    let &Coded { plan, census, extent, .. } = coded;
     struct Unknown;
     impl walk::Guide for Unknown {}
-    let surface = walk::walk(&mut BitReader::new(connectivity), &mut Unknown, census, effort, budget, task)?;
+    let surface = walk::walk(&mut BitReader::new(coded.connectivity), &mut Unknown, census, plan.effort, budget, task)?;
     let vertices = surface.is_hole.len();
     budget.reserve(vertices as u64 * learned::BYTES_A_VERTEX)?;
-    budget.spend(vertices as u64 * learned::STEPS_A_VERTEX)?;
-    let positions = Positions::new(&surface, extent, effort);
+    let coder = Positions::new(&surface, plan.effort);
     let ranges = ranges(census);
-    let parts = par::map(ranges.len(), |i| {
-        let mut local = vec![[0; 3]; ranges[i].len()];
-        let mut coder = BitReader::new(streams[i]);
-        positions.code(&mut coder, ranges[i].clone(), &mut local, task)?;
-        Ok::<_, crate::Error>(local)
-    });
-    let mut all = Vec::with_capacity(vertices);
-    for part in parts {
-        all.extend(part?);
+    let mut known: Vec<[i32; 3]> = Vec::new();
+    let mut missing = 0;
+    for (streams, (shift, rest)) in coded.positions.iter().zip(plan.steps()) {
+        budget.spend(vertices as u64 * learned::STEPS_A_VERTEX)?;
+        let parts = par::map(ranges.len(), |i| {
+            let mut finer = vec![[0; 3]; ranges[i].len()];
+            let coarse =
+                (shift > 0).then(|| Coarse { shift, positions: &known[ranges[i].start as usize..ranges[i].end as usize] });
+            let mut bits = BitReader::new(streams[i]);
+            coder.code(&mut bits, ranges[i].clone(), extent.map(|e| e >> rest), coarse, &mut finer, task)?;
+            Ok::<_, crate::Error>(finer)
+        });
+        known = parts.into_iter().collect::<Result<Vec<_>>>()?.concat();
+        missing = rest;
     }
     let mut is_hole = surface.is_hole.iter();
-    all.retain(|_| is_hole.next() == Some(&false));
-    Ok((surface, all))
+    known.retain(|_| is_hole.next() == Some(&false));
+    if missing > 0 {
+        // What is not known stands in the middle of its cell.
+        for position in &mut known {
+            *position = [0, 1, 2].map(|i| ((position[i] << missing) + (1 << missing >> 1)).min(extent[i]));
+        }
+    }
+    Ok((surface, known))
 }
 
 /// The coder of positions that an effort uses, and what all its streams share.
 struct Positions<'a> {
     surface: &'a Surface,
     outgoing: Vec<u32>,
-    extent: [i32; 3],
     effort: Effort,
     degrees: Option<learned::Degrees>,
 }
 
 impl<'a> Positions<'a> {
-    fn new(surface: &'a Surface, extent: [i32; 3], effort: Effort) -> Self {
+    fn new(surface: &'a Surface, effort: Effort) -> Self {
         let degrees = (effort != Effort::Fast).then(|| learned::Degrees::new(surface));
-        Self { surface, outgoing: surface.outgoing(), extent, effort, degrees }
+        Self { surface, outgoing: surface.outgoing(), effort, degrees }
     }
 
     fn code<C: BitCoder>(
         &self,
         coder: &mut C,
         range: std::ops::Range<u32>,
+        extent: [i32; 3],
+        coarse: Option<Coarse<'_>>,
         positions: &mut [[i32; 3]],
         task: Task<'_>,
     ) -> Result<()> {
-        let Self { surface, outgoing, extent, .. } = self;
-        let stretch = stretch::Stretch { surface, outgoing, range, extent: *extent };
+        let Self { surface, outgoing, .. } = self;
+        let stretch = stretch::Stretch { surface, outgoing, range, extent, coarse };
         match (&self.degrees, self.effort) {
             (None, _) => plain::code(coder, stretch, positions, task),
             (Some(degrees), Effort::Best) => learned::code_full(coder, stretch, degrees, positions, task),

@@ -13,4 +13,22 @@ pub(super) struct Stretch<'a> {
     pub(super) range: Range<u32>,
     /// Coordinate `axis` of a position lies in `0..=extent[axis]`.
     pub(super) extent: [i32; 3],
+    /// What the stage before said of the positions, in all stages but the first.
+    pub(super) coarse: Option<Coarse<'a>>,
+}
+
+/// Positions on a coarser lattice: of each coordinate all but the lowest `shift` bits.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Coarse<'a> {
+    pub(super) shift: u32,
+    /// From the first vertex of the stretch on.
+    pub(super) positions: &'a [[i32; 3]],
+}
+
+impl Coarse<'_> {
+    /// The middle of a cell.
+    pub(super) fn middle(&self, cell: [i32; 3]) -> [f64; 3] {
+        let width = f64::from(1_u32 << self.shift);
+        cell.map(|x| (f64::from(x) + 0.5) * width - 0.5)
+    }
 }

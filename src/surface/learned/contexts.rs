@@ -7,9 +7,9 @@
 
 use super::density::SCALE;
 use super::math::ln;
-use super::palette::Values;
 use super::ring::{Gate, Ring};
 use super::vector::Vector;
+use super::window::Window;
 use super::{Forecast, Scene};
 use crate::entropy::hash;
 
@@ -61,7 +61,8 @@ impl Landmarks {
 pub(super) struct Moment<'a> {
     pub(super) forecast: &'a Forecast,
     pub(super) landmarks: &'a Landmarks,
-    pub(super) values: &'a Values,
+    /// What the coordinate can be.
+    pub(super) window: Window<'a>,
     pub(super) axis: usize,
     /// The place of the axis in the order of axes.
     pub(super) rank: usize,
@@ -80,7 +81,7 @@ pub(super) struct Moment<'a> {
 
 impl Moment<'_> {
     fn offset(&self, x: f64) -> u32 {
-        ((self.values.nearest(x) - self.centre).clamp(-FARTHEST, FARTHEST) + FARTHEST) as u32
+        ((self.window.nearest(x) - self.centre).clamp(-FARTHEST, FARTHEST) + FARTHEST) as u32
     }
 
     fn offset_of(&self, point: Option<Vector>) -> u32 {
@@ -89,7 +90,7 @@ impl Moment<'_> {
 
     /// Where between its two edges the expected value lies, in eighths.
     fn fraction(&self) -> u32 {
-        let (low, high) = (self.values.edge(self.centre), self.values.edge(self.centre + 1));
+        let (low, high) = (self.window.edge(self.centre), self.window.edge(self.centre + 1));
         if low.is_finite() && high.is_finite() {
             ((self.means[0] - low) / (high - low) * 8.0).floor().clamp(0.0, 7.0) as u32
         } else {

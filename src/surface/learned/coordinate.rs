@@ -5,7 +5,7 @@
 //! lies between two lattice points.
 
 use super::density::{Logistic, log_odds};
-use super::palette::Values;
+use super::window::Window;
 use crate::entropy::{BitCoder, Mixer, MixerOptions, Start, hash};
 
 /// Nodes of a context's line, once the sign is known.
@@ -32,7 +32,7 @@ impl<const N: usize, const E: usize> Coordinates<N, E> {
         Self { mixer: Mixer::new(options, &sets), low: Mixer::new(low, &[low_start; 3]) }
     }
 
-    /// Codes `value` (an index into `values`), expected at the index `centre`.
+    /// Codes `value` (an index into `window`), expected at the index `centre`.
     ///
     /// `rank` is the place of the axis in the order of axes. The result may be out of range if the stream is damaged.
     #[allow(clippy::too_many_arguments)]
@@ -41,13 +41,16 @@ impl<const N: usize, const E: usize> Coordinates<N, E> {
         coder: &mut C,
         value: i64,
         centre: i64,
-        values: &Values,
+        window: Window<'_>,
         densities: &[Logistic; E],
         contexts: [u32; N],
         rank: usize,
     ) -> i64 {
+        if window.is_single() {
+            return centre;
+        }
         let residual = value - centre;
-        let [below, above] = [values.edge(centre), values.edge(centre + 1)];
+        let [below, above] = [window.edge(centre), window.edge(centre + 1)];
         let up: [f64; E] = each(densities, |d| d.beyond(above, 1.0));
         let down: [f64; E] = each(densities, |d| d.beyond(below, -1.0));
         let zero = odds(|e| (1.0 - up[e] - down[e], up[e] + down[e]));
@@ -57,7 +60,7 @@ impl<const N: usize, const E: usize> Coordinates<N, E> {
         }
         let is_up = self.mixer.code(coder, residual > 0, 1, odds(|e| (up[e], down[e])));
         let (sign, direction) = if is_up { (1, 1.0) } else { (-1, -1.0) };
-        let outer = |steps: i64| if is_up { values.edge(centre + 1 + steps) } else { values.edge(centre - steps) };
+        let outer = |steps: i64| if is_up { window.edge(centre + 1 + steps) } else { window.edge(centre - steps) };
 
         self.mixer.choose(contexts.map(|c| hash(c, sign as u32)), 3 + rank);
         let magnitude = residual.unsigned_abs().max(1) - 1;
@@ -70,7 +73,7 @@ impl<const N: usize, const E: usize> Coordinates<N, E> {
             let rest: [f64; E] = each(densities, |d| d.beyond(end, direction));
             let node = (class as usize).min(CLASSES - 1);
             if self.mixer.code(coder, class == wanted, node, odds(|e| (tail[e] - rest[e], rest[e])))
-                || class >= values.last_class()
+                || class >= window.last_class()
             {
                 // The bits of m + 1 below its highest; each halves the interval [low, high) of steps.
                 return centre + sign * self.bits(coder, magnitude + 1, class, outer, direction, densities, tail, rest, rank);

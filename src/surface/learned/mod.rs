@@ -8,6 +8,7 @@
 //! Everything a reader must repeat is + − × ÷ √ on `f64` in a fixed order. spec/surface.md,
 //! "Positions, learned".
 
+mod around;
 mod contexts;
 mod coordinate;
 mod density;
@@ -21,7 +22,9 @@ mod ring;
 mod scale;
 mod trained;
 mod vector;
+mod window;
 
+use self::around::{Around, Suggestions};
 use self::contexts::{Landmarks, Moment};
 use self::coordinate::Coordinates;
 use self::density::Logistic;
@@ -34,8 +37,9 @@ use self::ring::{Gate, Ring, Sums};
 use self::scale::{Expected, Scale};
 use self::trained::Start;
 use self::vector::Vector;
+use self::window::Window;
 use super::order::Order;
-use super::stretch::Stretch;
+use super::stretch::{Coarse, Stretch};
 use super::topology::Surface;
 use crate::entropy::BitCoder;
 use crate::error::{Error, Place, Result};
@@ -108,6 +112,11 @@ impl Scene<'_> {
         self.residuals[(v - self.first) as usize]
     }
 
+    /// Whether `v` is a vertex of the range, and no hole.
+    fn has(&self, v: u32) -> bool {
+        (v.wrapping_sub(self.first) as usize) < self.positions.len() && !self.surface.is_hole[v as usize]
+    }
+
     fn parallelogram(&self, g: &Gate) -> Vector {
         self.at(g.a) + self.at(g.b) - self.at(g.c)
     }
@@ -177,6 +186,9 @@ impl Scene<'_> {
 /// The coder of one range, with `F` features (`L` of them local), `N` contexts and `E` densities.
 pub(super) struct Coder<'a, const F: usize, const L: usize, const N: usize, const E: usize> {
     scene: Scene<'a>,
+    coarse: Option<Coarse<'a>>,
+    /// In all stages but the first.
+    around: Option<Around>,
     sums: Sums,
     quadrics: quadric::Fit,
     ring: Ring,
@@ -193,11 +205,20 @@ pub(super) struct Coder<'a, const F: usize, const L: usize, const N: usize, cons
     last_of_axis: [i64; 3],
 }
 
+/// The cell of a coarser lattice in which a vertex is known to lie.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    place: [i32; 3],
+    shift: u32,
+}
+
 /// A vertex as it is expected to be.
 struct Forecast {
     class: usize,
     view: Option<View>,
     expected: Option<Expected>,
+    /// What lies around, in all stages but the first.
+    suggestions: Option<Suggestions>,
     /// What the learned weights add to the mean parallelogram, and what the neighbourhood suggests beyond that.
     shift: Vector,
     nearby: Vector,
@@ -271,9 +292,11 @@ fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: us
 
 impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'a, F, L, N, E> {
     fn new(stretch: Stretch<'a>, degrees: &'a Degrees, values: [Values; 3], start: &Start<F, N, E>) -> Self {
-        let Stretch { surface, outgoing, range, extent } = stretch;
+        let Stretch { surface, outgoing, range, extent, coarse } = stretch;
         let len = range.len();
         Self {
+            coarse,
+            around: coarse.map(|_| Around::new(start.predictions.len())),
             sums: Sums::new(&range),
             quadrics: quadric::Fit::new(&range),
             ring: Ring::default(),
@@ -290,7 +313,9 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
                 outgoing,
                 degrees,
                 first: range.start,
-                positions: vec![Vector::ZERO; len],
+                // What is not known yet stands in the middle of its cell.
+                positions: coarse
+                    .map_or(vec![Vector::ZERO; len], |c| c.positions.iter().map(|p| Vector(c.middle(*p))).collect()),
                 residuals: vec![Vector::ZERO; len],
                 errors: vec![[0.0; 2]; len],
                 largest: f64::from(extent.into_iter().max().unwrap_or(0)) + 1.0,
@@ -303,7 +328,8 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
     fn vertex<C: BitCoder>(&mut self, coder: &mut C, v: u32, position: [i32; 3]) -> Option<[i32; 3]> {
         self.ring.fill(self.scene.surface, self.scene.outgoing, &self.scene.order, v);
         let forecast = self.forecast(v);
-        let position = self.coordinates(coder, &forecast, position)?;
+        let cell = self.coarse.map(|c| Cell { place: c.positions[(v - self.scene.first) as usize], shift: c.shift });
+        let position = self.coordinates(coder, &forecast, cell, position)?;
         self.learn(&forecast, v, Vector(position.map(f64::from)));
         Some(position)
     }
@@ -321,6 +347,7 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
             let scale = [0.6 * length; 2].map(|s| s.clamp(0.05, largest.max(0.05)));
             return Forecast {
                 class: 0,
+                suggestions: None,
                 view: None,
                 expected: None,
                 shift: Vector::ZERO,
@@ -350,9 +377,16 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
             let x = [shift[axis] / view.length, nearby[axis] / view.length];
             blended.0[axis] += self.blends[class].predict(&x) * view.length;
         }
+        let mut prediction = view.base + blended;
+        let suggestions = self.around.as_ref().map(|around| {
+            let suggestions = Suggestions::new(scene, ring, v, prediction);
+            prediction = around.correct(class, &suggestions, view.length, scene.largest);
+            suggestions
+        });
         Forecast {
             class,
-            means: [view.base + blended, view.base, view.by_valence],
+            means: [prediction, view.base, view.by_valence],
+            suggestions,
             shift,
             nearby,
             normal: view.normal,
@@ -363,7 +397,13 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
     }
 
     /// Codes the three coordinates, the one nearest to the normal last, each given those before it.
-    fn coordinates<C: BitCoder>(&mut self, coder: &mut C, forecast: &Forecast, position: [i32; 3]) -> Option<[i32; 3]> {
+    fn coordinates<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        forecast: &Forecast,
+        cell: Option<Cell>,
+        position: [i32; 3],
+    ) -> Option<[i32; 3]> {
         let n = forecast.normal;
         let steepest = (0..3).fold(0, |best, axis| if n[axis].abs() > n[best].abs() { axis } else { best });
         let mut axes = [0, 1, 2];
@@ -400,12 +440,15 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
             }
             let deviation = variance.max(0.02).sqrt();
             let means = [0, 1, 2].map(|m| forecast.means[m][axis] + given[m]);
-            let values = &self.values[axis];
-            let centre = values.nearest(means[0]);
+            let window = match cell {
+                Some(Cell { place, shift }) => Window::cell(&self.values[axis], place[axis], shift)?,
+                None => Window::all(&self.values[axis]),
+            };
+            let centre = window.nearest(means[0]);
             let moment = Moment {
                 forecast,
                 landmarks: &landmarks,
-                values,
+                window,
                 axis,
                 rank,
                 centre,
@@ -424,9 +467,9 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
             ];
             let mut densities = [Logistic::default(); E];
             densities.copy_from_slice(&all[..E]);
-            let index = if C::WRITES { values.index(position[axis]) } else { 0 };
-            let index = self.coordinates.code(coder, index, centre, values, &densities, moment.contexts(), rank);
-            coded[axis] = values.value(index)?;
+            let index = if C::WRITES { window.index(position[axis]) } else { 0 };
+            let index = self.coordinates.code(coder, index, centre, window, &densities, moment.contexts(), rank);
+            coded[axis] = window.value(index)?;
             let z = (f64::from(coded[axis]) - means[0]).abs() / deviation.max(0.3);
             surprise = if rank == 0 { z } else { z.max(0.7 * surprise) };
             self.last = [index - centre, self.last[0]];
@@ -462,6 +505,9 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
                 );
                 let x = [forecast.shift[axis] * scale, forecast.nearby[axis] * scale];
                 learn(&mut self.blends[forecast.class], &x, plain[axis] * scale, most);
+            }
+            if let (Some(around), Some(suggestions)) = (&mut self.around, &forecast.suggestions) {
+                around.learn(forecast.class, suggestions, position, scale, most);
             }
         }
         self.scene.order.learn(v);

@@ -62,22 +62,12 @@ impl Values {
         (!found.is_empty()).then_some(Self::Palette(found))
     }
 
-    /// The lower edge of the value of this index: half-way to the one before; −∞ before the first.
+    /// The lower edge of the value of this index, 1 to [`last`](Self::last): half-way to the one before.
     #[inline]
     pub(super) fn edge(&self, index: i64) -> f64 {
         match self {
-            _ if index <= 0 => f64::NEG_INFINITY,
-            Self::All { extent } => {
-                if index > *extent {
-                    f64::INFINITY
-                } else {
-                    index as f64 - 0.5
-                }
-            }
-            Self::Palette(list) => match list.get(index as usize) {
-                Some(&value) => 0.5 * (f64::from(list[index as usize - 1]) + f64::from(value)),
-                None => f64::INFINITY,
-            },
+            Self::All { .. } => index as f64 - 0.5,
+            Self::Palette(list) => 0.5 * (f64::from(list[index as usize - 1]) + f64::from(list[index as usize])),
         }
     }
 
@@ -116,14 +106,22 @@ impl Values {
         }
     }
 
-    /// No residual has a class above this.
+    /// The index of the last value.
     #[inline]
-    pub(super) fn last_class(&self) -> u32 {
-        let most = match self {
-            Self::All { extent } => *extent as u64,
-            Self::Palette(list) => list.len() as u64,
-        };
-        (most + 1).ilog2() + 1
+    pub(super) fn last(&self) -> i64 {
+        match self {
+            Self::All { extent } => *extent,
+            Self::Palette(list) => list.len() as i64 - 1,
+        }
+    }
+
+    /// The index of the first value that is no less than x; one beyond the last if there is none.
+    #[inline]
+    pub(super) fn first_from(&self, x: i64) -> i64 {
+        match self {
+            Self::All { extent } => x.clamp(0, extent + 1),
+            Self::Palette(list) => list.partition_point(|&v| i64::from(v) < x) as i64,
+        }
     }
 }
 
@@ -142,6 +140,7 @@ fn is_worth(vertices: f64, distinct: f64, range: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::window::Window;
     use super::*;
     use crate::entropy::{BitReader, BitWriter};
     use proptest::prelude::*;
@@ -162,7 +161,12 @@ mod tests {
                 prop_assert_eq!(written.index(value), index);
                 prop_assert_eq!(read.value(index), Some(value));
                 prop_assert_eq!(read.nearest(f64::from(value)), index);
-                prop_assert!(read.edge(index) < f64::from(value) && f64::from(value) < read.edge(index + 1));
+                let window = Window::all(&read);
+                prop_assert!(window.edge(index) < f64::from(value) && f64::from(value) < window.edge(index + 1));
+                let cell = Window::cell(&read, value >> 3, 3).unwrap();
+                prop_assert_eq!(cell.value(index), Some(value));
+                prop_assert!(cell.edge(index) < f64::from(value) && f64::from(value) < cell.edge(index + 1));
+                prop_assert_eq!(cell.nearest(-1e9), read.first_from(i64::from(value >> 3 << 3)));
             }
         }
     }
