@@ -9,7 +9,9 @@ use crate::cgim::Search;
 use crate::decode::{Decoder, Info};
 use crate::error::{Error, MeshDefect, Result};
 use crate::extras::{self, Coded};
-use crate::format::{self, ChunkWriter, Extras, Header, LatticeForm, MAX_EXTENT, PlanesChunk, RecipeChunk, STAGE, SurfaceChunk};
+use crate::format::{
+    self, ChunkWriter, Extras, Header, LatticeForm, MAX_EXTENT, PlanesChunk, RecipeChunk, STAGE, SurfaceChunk,
+};
 use crate::images;
 use crate::limits::Limits;
 use crate::mesh::{Attribute, AttributeKind, Domain, Front, HalfEdges, Mesh, Scalar};

@@ -105,7 +105,8 @@ pub struct ImageChoices {
     pub paper: bool,
     /// Bits of each of the two planes of normals, 2 to 16; `None` (the default) for no normals.
     pub normals: Option<u8>,
-    /// Bits that each stage after the first adds to every coordinate; empty (the default) for one stage.
+    /// Codecs surface and mbcim: bits that each stage after the first adds to every coordinate; empty (the default) for
+    /// one stage.
     pub stages: Vec<u8>,
 }
 
@@ -217,6 +218,9 @@ impl EncodeOptions {
         self.image.check()?;
         self.j2k.check()?;
         self.check_codec()?;
+        if self.codec == Codec::Surface && self.effort == Effort::Fast && !self.image.stages.is_empty() {
+            return Err(Error::Parameter("stages need the effort default or best".into()));
+        }
         match self.accuracy {
             Accuracy::Bits(bits) if !(1..=crate::format::MAX_BITS).contains(&bits) => {
                 Err(Error::Parameter(format!("bits must be 1 to {}, found {bits}", crate::format::MAX_BITS)))

@@ -23,7 +23,7 @@ mod walk;
 pub(crate) use topology::Filled;
 pub(crate) use topology::{Census, Skin, Surface};
 
-use self::stretch::Coarse;
+use self::stretch::{Coarse, Stretch};
 use crate::entropy::{BitCoder, BitReader, BitWriter};
 use crate::error::Result;
 use crate::limits::Budget;
@@ -130,10 +130,21 @@ pub(crate) fn write(
         let parts = par::map(ranges.len(), |i| {
             let range = ranges[i].start as usize..ranges[i].end as usize;
             let mut finer = finer[range.clone()].to_vec();
-            let coarse = (shift > 0).then(|| Coarse { shift, positions: &coarse[range] });
-            let mut bits = BitWriter::default();
-            coder.code(&mut bits, ranges[i].clone(), extent.map(|e| e >> rest), coarse, &mut finer, task)?;
-            Ok(bits.finish())
+            let mut stretch = coder.stretch(ranges[i].clone(), extent.map(|e| e >> rest));
+            stretch.coarse = (shift > 0).then(|| Coarse { shift, positions: &coarse[range.clone()] });
+            let holes = &surface.is_hole[range];
+            let real = finer.iter().zip(holes).filter(|(_, hole)| !**hole).map(|(p, _)| *p);
+            let choices = if effort == Effort::Fast { vec![[false; 3]] } else { learned::choices(stretch.extent, real) };
+            let mut best: Option<Vec<u8>> = None;
+            for palettes in choices {
+                let mut bits = BitWriter::default();
+                coder.code(&mut bits, Stretch { palettes, ..stretch.clone() }, &mut finer, task)?;
+                let bytes = bits.finish();
+                if best.as_ref().is_none_or(|best| bytes.len() < best.len()) {
+                    best = Some(bytes);
+                }
+            }
+            Ok(best.unwrap_or_default())
         });
         streams.push(parts.into_iter().collect::<Result<_>>()?);
         coarse = finer;
@@ -169,10 +180,11 @@ pub(crate) fn read(coded: &Coded<'_>, budget: &mut Budget, task: Task<'_>) -> Re
         budget.spend(vertices as u64 * learned::STEPS_A_VERTEX)?;
         let parts = par::map(ranges.len(), |i| {
             let mut finer = vec![[0; 3]; ranges[i].len()];
-            let coarse =
-                (shift > 0).then(|| Coarse { shift, positions: &known[ranges[i].start as usize..ranges[i].end as usize] });
+            let range = ranges[i].start as usize..ranges[i].end as usize;
+            let mut stretch = coder.stretch(ranges[i].clone(), extent.map(|e| e >> rest));
+            stretch.coarse = (shift > 0).then(|| Coarse { shift, positions: &known[range] });
             let mut bits = BitReader::new(streams[i]);
-            coder.code(&mut bits, ranges[i].clone(), extent.map(|e| e >> rest), coarse, &mut finer, task)?;
+            coder.code(&mut bits, stretch, &mut finer, task)?;
             Ok::<_, crate::Error>(finer)
         });
         known = parts.into_iter().collect::<Result<Vec<_>>>()?.concat();
@@ -203,17 +215,12 @@ impl<'a> Positions<'a> {
         Self { surface, outgoing: surface.outgoing(), effort, degrees }
     }
 
-    fn code<C: BitCoder>(
-        &self,
-        coder: &mut C,
-        range: std::ops::Range<u32>,
-        extent: [i32; 3],
-        coarse: Option<Coarse<'_>>,
-        positions: &mut [[i32; 3]],
-        task: Task<'_>,
-    ) -> Result<()> {
+    fn stretch(&self, range: std::ops::Range<u32>, extent: [i32; 3]) -> Stretch<'_> {
         let Self { surface, outgoing, .. } = self;
-        let stretch = stretch::Stretch { surface, outgoing, range, extent, coarse };
+        Stretch { surface, outgoing, range, extent, palettes: [false; 3], coarse: None }
+    }
+
+    fn code<C: BitCoder>(&self, coder: &mut C, stretch: Stretch<'_>, positions: &mut [[i32; 3]], task: Task<'_>) -> Result<()> {
         match (&self.degrees, self.effort) {
             (None, _) => plain::code(coder, stretch, positions, task),
             (Some(degrees), Effort::Best) => learned::code_full(coder, stretch, degrees, positions, task),

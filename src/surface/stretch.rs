@@ -13,6 +13,8 @@ pub(super) struct Stretch<'a> {
     pub(super) range: Range<u32>,
     /// Coordinate `axis` of a position lies in `0..=extent[axis]`.
     pub(super) extent: [i32; 3],
+    /// For each axis: whether a writer lists the values that occur.
+    pub(super) palettes: [bool; 3],
     /// What the stage before said of the positions, in all stages but the first.
     pub(super) coarse: Option<Coarse<'a>>,
 }

@@ -33,6 +33,8 @@ use self::least_squares::LeastSquares;
 use self::local::Local;
 use self::math::cot;
 use self::palette::Values;
+#[cfg(feature = "encode")]
+pub(in crate::surface) use self::palette::choices;
 use self::ring::{Gate, Ring, Sums};
 use self::scale::{Expected, Scale};
 use self::trained::Start;
@@ -262,7 +264,10 @@ fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: us
     let first = stretch.range.start;
     let holes = &stretch.surface.is_hole[first as usize..];
     let real = || positions.iter().zip(holes).filter(|(_, hole)| !**hole).map(|(p, _)| *p);
-    let mut values = [0, 1, 2].map(|axis| Values::code(coder, stretch.extent[axis], positions.len(), real().map(|p| p[axis])));
+    let mut values = [0, 1, 2].map(|axis| {
+        let (extent, as_palette) = (stretch.extent[axis], stretch.palettes[axis]);
+        Values::code(coder, extent, positions.len(), as_palette, real().map(|p| p[axis]))
+    });
     let damaged = |what: String| Error::malformed(Place::Whole, format!("positions: {what}"));
     let [Some(x), Some(y), Some(z)] = values.each_mut().map(Option::take) else {
         return Err(damaged("a palette that does not fit the box".into()));
@@ -292,7 +297,7 @@ fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: us
 
 impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'a, F, L, N, E> {
     fn new(stretch: Stretch<'a>, degrees: &'a Degrees, values: [Values; 3], start: &Start<F, N, E>) -> Self {
-        let Stretch { surface, outgoing, range, extent, coarse } = stretch;
+        let Stretch { surface, outgoing, range, extent, coarse, .. } = stretch;
         let len = range.len();
         Self {
             coarse,

@@ -3,6 +3,8 @@
 //! CAD models and terrains have far fewer distinct coordinates than their lattice has. With a palette,
 //! residuals count entries of the list, and densities are integrated between the middles of neighbours.
 
+#[cfg(feature = "encode")]
+use super::math::ln;
 use crate::entropy::{BitCoder, Numbers};
 
 /// The values of one axis, in rising order.
@@ -17,30 +19,48 @@ pub(super) enum Values {
     Palette(Vec<i32>),
 }
 
-/// The gain that a palette must promise, as a share of what counting suggests: part of it is had without one.
-const SHARE: f64 = 0.5;
+/// The shares of the gain that counting suggests which a palette is taken to have; the rest is had without one. What all
+/// of them agree on is not tried.
+const SHARES: [f64; 3] = [0.5, 0.0, 1.5];
+
+/// The ways to choose palettes for three axes that are worth a trial, the likeliest first.
+#[cfg(feature = "encode")]
+pub(in crate::surface) fn choices(extent: [i32; 3], positions: impl Iterator<Item = [i32; 3]> + Clone) -> Vec<[bool; 3]> {
+    let counts = [0, 1, 2].map(|axis| {
+        let mut values: Vec<i32> = positions.clone().map(|p| p[axis]).collect();
+        let vertices = values.len() as f64;
+        values.sort_unstable();
+        values.dedup();
+        (vertices, values.len() as f64, f64::from(extent[axis]) + 1.0)
+    });
+    let mut choices = Vec::new();
+    for share in SHARES {
+        let choice = counts.map(|(vertices, distinct, range)| is_worth(vertices, distinct, range, share));
+        if !choices.contains(&choice) {
+            choices.push(choice);
+        }
+    }
+    choices
+}
 
 impl Values {
-    /// Chooses and codes the values of an axis, of which no more than `most` occur. `occurring` are those of a
-    /// writer, in any order.
+    /// Codes the values of an axis, of which no more than `most` occur. A writer says whether as a palette, and which
+    /// occur, in any order.
     pub(super) fn code<C: BitCoder>(
         coder: &mut C,
         extent: i32,
         most: usize,
+        as_palette: bool,
         occurring: impl Iterator<Item = i32>,
     ) -> Option<Self> {
+        if !coder.code(as_palette, 1 << 15) {
+            return Some(Self::All { extent: extent.into() });
+        }
         let mut list = Vec::new();
-        let mut uses = false;
         if C::WRITES {
             list.extend(occurring);
-            let vertices = list.len() as f64;
             list.sort_unstable();
             list.dedup();
-            uses = is_worth(vertices, list.len() as f64, f64::from(extent) + 1.0);
-        }
-        let all = Self::All { extent: extent.into() };
-        if !coder.code(uses, 1 << 15) {
-            return Some(all);
         }
         // The gaps between entries, each in the context of the last.
         let mut numbers = Numbers::new(CONTEXTS + 1);
@@ -128,14 +148,15 @@ impl Values {
 /// Contexts of a gap: the gap before it, up to this.
 const CONTEXTS: usize = 21;
 
-/// Whether the bits that shorter indices save, over all vertices, pay for saying which values occur.
-fn is_worth(vertices: f64, distinct: f64, range: f64) -> bool {
-    let share = distinct / range;
-    if share >= 1.0 {
+/// Whether `share` of the bits that shorter indices save, over all vertices, pays for saying which values occur.
+#[cfg(feature = "encode")]
+fn is_worth(vertices: f64, distinct: f64, range: f64, share: f64) -> bool {
+    let density = distinct / range;
+    if density >= 1.0 {
         return false;
     }
-    let list = range * -(share * share.log2() + (1.0 - share) * (1.0 - share).log2());
-    vertices * (range / distinct).log2() * SHARE > list
+    let list = range * -(density * ln(density) + (1.0 - density) * ln(1.0 - density));
+    vertices * ln(range / distinct) * share > list
 }
 
 #[cfg(test)]
@@ -152,9 +173,9 @@ mod tests {
         ) {
             let mut writer = BitWriter::default();
             let all = occurring.iter().copied().cycle().take(occurring.len() * copies);
-            let written = Values::code(&mut writer, 9_999, occurring.len() * copies, all).unwrap();
+            let written = Values::code(&mut writer, 9_999, occurring.len() * copies, copies % 2 == 0, all).unwrap();
             let bytes = writer.finish();
-            let read = Values::code(&mut BitReader::new(&bytes), 9_999, 50, std::iter::empty()).unwrap();
+            let read = Values::code(&mut BitReader::new(&bytes), 9_999, 50, false, std::iter::empty()).unwrap();
             occurring.sort_unstable();
             for &value in &occurring {
                 let index = read.index(value);
@@ -180,7 +201,7 @@ mod tests {
             for &next in gaps {
                 gap = numbers.code(&mut writer, next, (gap as usize).min(CONTEXTS - 1));
             }
-            Values::code(&mut BitReader::new(&writer.finish()), 9, most, std::iter::empty())
+            Values::code(&mut BitReader::new(&writer.finish()), 9, most, false, std::iter::empty())
         };
         assert!(read(&[0, 4, 5], 3).is_some());
         assert!(read(&[0, 4, 0, 5], 4).is_none());
@@ -190,8 +211,8 @@ mod tests {
 
     #[test]
     fn a_palette_is_used_where_few_values_occur_often() {
-        assert!(is_worth(10_000.0, 50.0, 4096.0));
-        assert!(!is_worth(10_000.0, 4000.0, 4096.0));
-        assert!(!is_worth(100.0, 95.0, 16384.0));
+        let few = |n: i32| (0..n).map(|i| [i % 50 * 80, i, i]);
+        assert_eq!(choices([4095; 3], few(4096))[0], [true, false, false]);
+        assert_eq!(choices([16_383; 3], (0..100).map(|i| [i * 160; 3])), [[false; 3], [true; 3]]);
     }
 }
