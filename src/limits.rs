@@ -4,8 +4,8 @@ use crate::error::{Error, Result};
 
 /// What the caller allows a decoder to spend on one file.
 ///
-/// A hostile file can at most reach these. The defaults let every mesh of up to
-/// 100 million vertices pass and keep memory below 8 GiB.
+/// A hostile file can at most reach these. The defaults keep memory below 8 GiB, which meshes of several million vertices
+/// stay within at every effort.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Limits {

@@ -98,7 +98,7 @@ impl Info {
                 let census = census(vertices, chunk);
                 triangles = census.closed_faces();
                 let later: usize = stages.iter().map(|stage| stage.clone().rest().len()).sum();
-                let cost = surface::cost(census, stages.len() as u64 + 1);
+                let cost = surface::cost(census, effort, stages.len() as u64 + 1);
                 ("surface", effort, connectivity, chunk.positions_size() + later as u64, cost)
             }
             Body::Mbcim { chunk, stages } => {

@@ -89,6 +89,11 @@ const fn haste() -> [i32; 256] {
 }
 
 impl<const N: usize, const E: usize> Mixer<N, E> {
+    /// The memory that the lines take, 2 to the power of `lines_log2` for each context.
+    pub(crate) fn memory(lines_log2: u32) -> u64 {
+        ((N * size_of::<[AdaptiveBit; NODES]>()) as u64) << lines_log2
+    }
+
     /// One set of weights for every `start`.
     pub(crate) fn new(options: MixerOptions, starts: &[Start<N, E>]) -> Self {
         let fixed = |hundredths: i32| hundredths * ONE / 100;

@@ -74,9 +74,22 @@ pub(crate) fn ranges(census: Census) -> Vec<std::ops::Range<u32>> {
 }
 
 /// Memory and steps that reading so many stages takes at most.
-pub(crate) fn cost(census: Census, stages: u64) -> (u64, u64) {
+pub(crate) fn cost(census: Census, effort: Effort, stages: u64) -> (u64, u64) {
     let vertices = u64::from(census.vertices) + u64::from(census.holes);
-    (walk::memory(census) + vertices * learned::BYTES_A_VERTEX, vertices * (6 + stages * learned::STEPS_A_VERTEX))
+    (walk::memory(census) + memory(census, effort), vertices * (6 + stages * learned::STEPS_A_VERTEX))
+}
+
+/// Memory that reading positions takes at most, all ranges at once.
+fn memory(census: Census, effort: Effort) -> u64 {
+    let vertices = u64::from(census.vertices) + u64::from(census.holes);
+    let range = match effort {
+        Effort::Fast => plain::memory,
+        Effort::Default => learned::memory_lean,
+        Effort::Best => learned::memory_full,
+    };
+    // Each position three times: of the stage before, of this by ranges, and in one piece.
+    let shared = 3 * size_of::<[i32; 3]>() + size_of::<u32>() + learned::Degrees::BYTES;
+    vertices * shared as u64 + ranges(census).iter().map(|r| range(r.len())).sum::<u64>()
 }
 
 /// How a surface is written.
@@ -171,7 +184,7 @@ pub(crate) fn read(coded: &Coded<'_>, budget: &mut Budget, task: Task<'_>) -> Re
     impl walk::Guide for Unknown {}
     let surface = walk::walk(&mut BitReader::new(coded.connectivity), &mut Unknown, census, plan.effort, budget, task)?;
     let vertices = surface.is_hole.len();
-    budget.reserve(vertices as u64 * learned::BYTES_A_VERTEX)?;
+    budget.reserve(memory(census, plan.effort))?;
     let coder = Positions::new(&surface, plan.effort);
     let ranges = ranges(census);
     let mut known: Vec<[i32; 3]> = Vec::new();

@@ -29,6 +29,10 @@ pub(super) struct Order<'a> {
 }
 
 impl<'a> Order<'a> {
+    /// Memory a vertex at most: a face that becomes known has three vertices across wait, a vertex two faces, and a
+    /// queue may hold room for as much again.
+    pub(super) const BYTES: u64 = 2 + 2 * 4 * (2 * 3 + 2);
+
     pub(super) fn new(surface: &'a Surface, outgoing: &'a [u32], range: std::ops::Range<u32>) -> Self {
         let len = range.len();
         Self {

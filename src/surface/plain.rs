@@ -33,6 +33,11 @@ struct Forecast {
     landmarks: Option<[[i32; 3]; 7]>,
 }
 
+/// Memory that coding a stretch of so many vertices takes.
+pub(super) fn memory(vertices: usize) -> u64 {
+    vertices as u64 * (4 + Order::BYTES) + Residuals::<CONTEXTS>::memory(vertices)
+}
+
 /// Codes the positions of a stretch of vertices, in the order that [`Order`] finds.
 ///
 /// `positions` holds them, from the first vertex of the stretch on: a writer's are read, a reader's are filled in.

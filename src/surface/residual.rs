@@ -21,8 +21,13 @@ pub(super) struct Residuals<const N: usize> {
 
 impl<const N: usize> Residuals<N> {
     pub(super) fn new(vertices: usize) -> Self {
-        let options = MixerOptions { lines_log2: (vertices.max(1).ilog2()).clamp(6, 14), rate_shift: 5, count_limit: 60 };
+        let options = MixerOptions { lines_log2: lines_log2(vertices), rate_shift: 5, count_limit: 60 };
         Self { mixer: Mixer::new(options, &[Start::even(25); 3]), high: vec![[AdaptiveBit::default(); 3]; 3 * CLASSES] }
+    }
+
+    /// The memory that so many vertices need.
+    pub(super) fn memory(vertices: usize) -> u64 {
+        Mixer::<N, 0>::memory(lines_log2(vertices))
     }
 
     /// Codes a residual of one axis.
@@ -53,4 +58,9 @@ impl<const N: usize> Residuals<N> {
         let magnitude = value.min(i32::MAX as u32) as i32;
         if positive { magnitude } else { -magnitude }
     }
+}
+
+/// Lines of a context: about one for every vertex.
+fn lines_log2(vertices: usize) -> u32 {
+    vertices.max(1).ilog2().clamp(6, 14)
 }

@@ -13,6 +13,9 @@ const CLASSES: usize = 8;
 /// Bits of a class above this are mixed from the densities alone.
 const MODELLED: u32 = 3;
 
+/// Lines of the mixer of low bits.
+const LOW_LINES_LOG2: u32 = 8;
+
 /// Codes coordinates from `N` contexts and `E` densities.
 #[derive(Debug)]
 pub(super) struct Coordinates<const N: usize, const E: usize> {
@@ -24,12 +27,17 @@ pub(super) struct Coordinates<const N: usize, const E: usize> {
 impl<const N: usize, const E: usize> Coordinates<N, E> {
     /// Starts with weights for the decisions before and after the sign is known.
     pub(super) fn new(vertices: usize, [before, after]: [Start<N, E>; 2]) -> Self {
-        let options = MixerOptions { lines_log2: vertices.max(1).ilog2().clamp(6, 14), rate_shift: 6, count_limit: 127 };
-        let low = MixerOptions { lines_log2: 8, ..options };
+        let options = MixerOptions { lines_log2: lines_log2(vertices), rate_shift: 6, count_limit: 127 };
+        let low = MixerOptions { lines_log2: LOW_LINES_LOG2, ..options };
         // One set for every axis rank.
         let sets = [before, before, before, after, after, after];
         let low_start = Start { contexts: [after.contexts[0]], experts: after.experts, bias: after.bias };
         Self { mixer: Mixer::new(options, &sets), low: Mixer::new(low, &[low_start; 3]) }
+    }
+
+    /// The memory that so many vertices need.
+    pub(super) fn memory(vertices: usize) -> u64 {
+        Mixer::<N, E>::memory(lines_log2(vertices)) + Mixer::<1, E>::memory(LOW_LINES_LOG2)
     }
 
     /// Codes `value` (an index into `window`), expected at the index `centre`.
@@ -125,6 +133,11 @@ impl<const N: usize, const E: usize> Coordinates<N, E> {
         }
         found
     }
+}
+
+/// Lines of a context: about one for every vertex.
+fn lines_log2(vertices: usize) -> u32 {
+    vertices.max(1).ilog2().clamp(6, 14)
 }
 
 #[inline]

@@ -34,6 +34,9 @@ const RIDGE: f64 = 0.05;
 const OTHER_CLASS: f32 = 0.5;
 
 impl<const L: usize> Local<L> {
+    /// Memory a vertex.
+    pub(super) const BYTES: u64 = size_of::<Sample<L>>() as u64;
+
     pub(super) fn new(vertices: usize) -> Self {
         Self { samples: vec![Sample { features: [[0.0; L]; 3], residual: [0.0; 3], class: 0 }; vertices] }
     }

@@ -48,8 +48,7 @@ use crate::error::{Error, Place, Result};
 use crate::mesh::half_edge::{next, prev};
 use crate::task::Task;
 
-/// Memory that [`code`] needs, and steps that it takes, a vertex.
-pub(super) const BYTES_A_VERTEX: u64 = 2 * 12 + 4 + 1 + 1 + 16 + 32 + 16 + 64 + 4;
+/// Steps that [`code`] takes, a vertex.
 pub(super) const STEPS_A_VERTEX: u64 = 1024;
 
 /// Connectivity as the features see it: the same for all ranges of a surface.
@@ -66,6 +65,9 @@ pub(super) struct Degrees {
 const VALENCE_CAP: usize = 15;
 
 impl Degrees {
+    /// Memory a vertex.
+    pub(super) const BYTES: usize = size_of::<f64>() + size_of::<bool>();
+
     pub(super) fn new(surface: &Surface) -> Self {
         let mut is_boundary = vec![false; surface.valence.len()];
         for t in &surface.triangles {
@@ -231,6 +233,27 @@ struct Forecast {
     scale: [f64; 2],
 }
 
+/// Memory that [`code_lean`] takes for so many vertices.
+pub(super) fn memory_lean(vertices: usize) -> u64 {
+    memory::<LOCAL_LEAN, { contexts::LEAN }>(vertices)
+}
+
+/// Memory that [`code_full`] takes for so many vertices.
+pub(super) fn memory_full(vertices: usize) -> u64 {
+    memory::<LOCAL_FULL, { contexts::ALL }>(vertices)
+}
+
+fn memory<const L: usize, const N: usize>(vertices: usize) -> u64 {
+    let scene = size_of::<[Vector; 2]>() + size_of::<[f64; 2]>();
+    let taken = size_of::<u32>();
+    let a_vertex = (scene + taken) as u64 + Order::BYTES + Sums::BYTES + Local::<L>::BYTES;
+    vertices as u64 * a_vertex + Coordinates::<N, 0>::memory(vertices)
+}
+
+/// Features that the local fit uses, by effort.
+const LOCAL_LEAN: usize = 12;
+const LOCAL_FULL: usize = 20;
+
 /// Codes the positions of a stretch for effort `default`; see [`plain::code`](super::plain::code).
 pub(super) fn code_lean<C: BitCoder>(
     coder: &mut C,
@@ -239,7 +262,7 @@ pub(super) fn code_lean<C: BitCoder>(
     positions: &mut [[i32; 3]],
     task: Task<'_>,
 ) -> Result<()> {
-    code::<C, _, 12, _, _>(coder, stretch, degrees, positions, &trained::LEAN, task)
+    code::<C, _, LOCAL_LEAN, _, _>(coder, stretch, degrees, positions, &trained::LEAN, task)
 }
 
 /// The same for effort `best`.
@@ -250,7 +273,7 @@ pub(super) fn code_full<C: BitCoder>(
     positions: &mut [[i32; 3]],
     task: Task<'_>,
 ) -> Result<()> {
-    code::<C, _, 20, _, _>(coder, stretch, degrees, positions, &trained::ALL, task)
+    code::<C, _, LOCAL_FULL, _, _>(coder, stretch, degrees, positions, &trained::ALL, task)
 }
 
 fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: usize>(

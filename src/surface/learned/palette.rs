@@ -5,6 +5,8 @@
 
 #[cfg(feature = "encode")]
 use super::math::ln;
+#[cfg(feature = "encode")]
+use crate::entropy::BitWriter;
 use crate::entropy::{BitCoder, Numbers};
 
 /// The values of one axis, in rising order.
@@ -19,23 +21,26 @@ pub(super) enum Values {
     Palette(Vec<i32>),
 }
 
-/// The shares of the gain that counting suggests which a palette is taken to have; the rest is had without one. What all
-/// of them agree on is not tried.
+/// A palette is taken to save this share of what shorter indices promise; the rest is had without one. What all shares
+/// agree on is not tried.
+#[cfg(feature = "encode")]
 const SHARES: [f64; 3] = [0.5, 0.0, 1.5];
 
 /// The ways to choose palettes for three axes that are worth a trial, the likeliest first.
 #[cfg(feature = "encode")]
 pub(in crate::surface) fn choices(extent: [i32; 3], positions: impl Iterator<Item = [i32; 3]> + Clone) -> Vec<[bool; 3]> {
-    let counts = [0, 1, 2].map(|axis| {
-        let mut values: Vec<i32> = positions.clone().map(|p| p[axis]).collect();
-        let vertices = values.len() as f64;
-        values.sort_unstable();
-        values.dedup();
-        (vertices, values.len() as f64, f64::from(extent[axis]) + 1.0)
+    // For each axis: the bits that the list takes, and those that it promises.
+    let promises = [0, 1, 2].map(|axis| {
+        let values = positions.clone().map(|p| p[axis]);
+        let mut coder = BitWriter::default();
+        let vertices = values.clone().count();
+        let distinct = Values::code(&mut coder, extent[axis], vertices, true, values).map_or(0, |list| list.last() + 1);
+        let shorter = ln((f64::from(extent[axis]) + 1.0) / distinct as f64) * std::f64::consts::LOG2_E;
+        (coder.finish().len() as f64 * 8.0, vertices as f64 * shorter)
     });
     let mut choices = Vec::new();
     for share in SHARES {
-        let choice = counts.map(|(vertices, distinct, range)| is_worth(vertices, distinct, range, share));
+        let choice = promises.map(|(list, saved)| share * saved > list);
         if !choices.contains(&choice) {
             choices.push(choice);
         }
@@ -148,17 +153,6 @@ impl Values {
 /// Contexts of a gap: the gap before it, up to this.
 const CONTEXTS: usize = 21;
 
-/// Whether `share` of the bits that shorter indices save, over all vertices, pays for saying which values occur.
-#[cfg(feature = "encode")]
-fn is_worth(vertices: f64, distinct: f64, range: f64, share: f64) -> bool {
-    let density = distinct / range;
-    if density >= 1.0 {
-        return false;
-    }
-    let list = range * -(density * ln(density) + (1.0 - density) * ln(1.0 - density));
-    vertices * ln(range / distinct) * share > list
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::window::Window;
@@ -211,8 +205,8 @@ mod tests {
 
     #[test]
     fn a_palette_is_used_where_few_values_occur_often() {
-        let few = |n: i32| (0..n).map(|i| [i % 50 * 80, i, i]);
-        assert_eq!(choices([4095; 3], few(4096))[0], [true, false, false]);
-        assert_eq!(choices([16_383; 3], (0..100).map(|i| [i * 160; 3])), [[false; 3], [true; 3]]);
+        // Few; all; and a tenth that lies evenly.
+        let values = |i: i32| [i % 50 * 80, i, i / 10 * 10];
+        assert_eq!(choices([4095; 3], (0..4096).map(values)), [[true, false, true], [false; 3]]);
     }
 }

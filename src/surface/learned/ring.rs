@@ -76,6 +76,9 @@ pub(super) struct Sums {
 }
 
 impl Sums {
+    /// Memory a vertex.
+    pub(super) const BYTES: u64 = (size_of::<(u32, Vector)>() + size_of::<(u32, f64)>()) as u64;
+
     pub(super) fn new(range: &std::ops::Range<u32>) -> Self {
         Self { first: range.start, neighbours: vec![(0, Vector::ZERO); range.len()], angles: vec![(0, 0.0); range.len()] }
     }
