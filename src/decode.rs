@@ -95,6 +95,7 @@ impl<'a> Decoder<'a> {
             Body::Mbcim { stages, .. } => stages.truncate(count),
             Body::Planes { .. } => {}
         }
+        self.info.cut(&self.header, count);
         self
     }
 

@@ -218,9 +218,6 @@ impl EncodeOptions {
         self.image.check()?;
         self.j2k.check()?;
         self.check_codec()?;
-        if self.codec == Codec::Surface && self.effort == Effort::Fast && !self.image.stages.is_empty() {
-            return Err(Error::Parameter("stages need the effort default or best".into()));
-        }
         match self.accuracy {
             Accuracy::Bits(bits) if !(1..=crate::format::MAX_BITS).contains(&bits) => {
                 Err(Error::Parameter(format!("bits must be 1 to {}, found {bits}", crate::format::MAX_BITS)))
@@ -243,10 +240,13 @@ impl EncodeOptions {
     /// Refuses choices that the codec has no use for.
     fn check_codec(&self) -> Result<()> {
         let refuse = |why: &str| Err(Error::Parameter(why.into()));
-        if !self.image.stages.is_empty() && self.codec != Codec::Mbcim {
-            return refuse("stages are for the codec mbcim");
-        }
         let is_surface = self.codec == Codec::Surface;
+        if !self.image.stages.is_empty() && !is_surface && self.codec != Codec::Mbcim {
+            return refuse("stages are for the codecs surface and mbcim");
+        }
+        if !self.image.stages.is_empty() && is_surface && self.effort == Effort::Fast {
+            return refuse("stages of the codec surface need the effort default or best");
+        }
         if self.image.paper && is_surface {
             return refuse("an image made as the paper makes it needs a codec that stores it: mbcim, raw, exr or j2k");
         }

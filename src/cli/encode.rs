@@ -60,10 +60,10 @@ pub(super) struct Encode {
     /// raw, exr, j2k: also store an image of normals, of so many bits a sample: those of the mesh, or computed.
     #[arg(long, value_name = "Q", help_heading = "Images of vertices", value_parser = clap::value_parser!(u8).range(2..=16))]
     normals: Option<u8>,
-    /// mbcim: coordinates in so many stages, the later ones of two bits each.
+    /// surface, mbcim: coordinates in so many stages, the later ones of two bits each.
     #[arg(long, value_name = "N", help_heading = "Images of vertices", value_parser = clap::value_parser!(u8).range(1..=12))]
     stages: Option<u8>,
-    /// mbcim: the bits that each stage after the first adds, with commas between.
+    /// surface, mbcim: the bits that each stage after the first adds, with commas between.
     #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with = "stages", help_heading = "Images of vertices")]
     stage_bits: Vec<u8>,
     /// j2k: bits for each pixel of the image, at most.

@@ -74,6 +74,12 @@ pub struct ChunkInfo {
 }
 
 impl Info {
+    /// Leaves no more than `count` stages beside the base.
+    pub(super) fn cut(&mut self, header: &Header, count: usize) {
+        self.stages_present = self.stages_present.min(count);
+        self.bound = bound(header, &self.stages, self.stages_present);
+    }
+
     pub(super) fn new(
         bytes: &[u8],
         chunks: &Chunks<'_>,
@@ -149,7 +155,7 @@ impl Info {
             origin: lattice.origin,
             step: lattice.step,
             bits,
-            bound: header.bound.into(),
+            bound: bound(header, &stages, stages_present),
             precision: if header.double { Scalar::F64 } else { Scalar::F32 },
             manifold: beside.fixes.is_none(),
             chunks: chunks
@@ -168,4 +174,12 @@ impl Info {
             work: cost.1,
         })
     }
+}
+
+/// How far a vertex can be from where it was, if no more than the first `present` stages are decoded.
+fn bound(header: &Header, stages: &[u8], present: usize) -> f64 {
+    let missing: u32 = stages[present..].iter().map(|&bits| u32::from(bits)).sum();
+    // It then stands in the middle of its cell, on each axis at most half a cell away.
+    let half_cell = if missing > 0 { f64::from(1_u32 << (missing - 1)) * header.lattice.lattice().step } else { 0.0 };
+    f64::from(header.bound) + 3_f64.sqrt() * half_cell * (1.0 + 4.0 * f64::EPSILON)
 }

@@ -14,3 +14,4 @@ mod layers;
 mod robustness;
 mod roundtrip;
 mod spec;
+mod stages;
