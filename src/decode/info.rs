@@ -179,7 +179,12 @@ impl Info {
 /// How far a vertex can be from where it was, if no more than the first `present` stages are decoded.
 fn bound(header: &Header, stages: &[u8], present: usize) -> f64 {
     let missing: u32 = stages[present..].iter().map(|&bits| u32::from(bits)).sum();
-    // It then stands in the middle of its cell, on each axis at most half a cell away.
-    let half_cell = if missing > 0 { f64::from(1_u32 << (missing - 1)) * header.lattice.lattice().step } else { 0.0 };
-    f64::from(header.bound) + 3_f64.sqrt() * half_cell * (1.0 + 4.0 * f64::EPSILON)
+    if missing == 0 {
+        return header.bound.into();
+    }
+    // It then stands in the middle of its cell, on each axis at most half a cell away, and is rounded once more.
+    let half_cell = f64::from(1_u32 << (missing - 1)) * header.lattice.lattice().step;
+    let largest = [false, true].iter().flat_map(|&high| header.corner(high)).fold(0.0, |most: f64, x| most.max(x.abs()));
+    let rounding = if header.double { f64::EPSILON } else { f64::from(f32::EPSILON) } * largest;
+    f64::from(header.bound) + 3_f64.sqrt() * (half_cell + rounding)
 }

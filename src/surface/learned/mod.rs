@@ -20,6 +20,8 @@ mod palette;
 mod quadric;
 mod ring;
 mod scale;
+#[cfg(test)]
+mod tests;
 mod trained;
 mod vector;
 mod window;
@@ -356,6 +358,10 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
     fn vertex<C: BitCoder>(&mut self, coder: &mut C, v: u32, position: [i32; 3]) -> Option<[i32; 3]> {
         self.ring.fill(self.scene.surface, self.scene.outgoing, &self.scene.order, v);
         let forecast = self.forecast(v);
+        for axis in 0..3 {
+            forecast.means.iter().for_each(|mean| coder.watch(|| mean[axis]));
+        }
+        forecast.scale.iter().for_each(|&scale| coder.watch(|| scale));
         let cell = self.coarse.map(|c| Cell { place: c.positions[(v - self.scene.first) as usize], shift: c.shift });
         let position = self.coordinates(coder, &forecast, cell, position)?;
         self.learn(&forecast, v, Vector(position.map(f64::from)));
