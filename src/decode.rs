@@ -2,6 +2,7 @@
 //!
 //! Opening a file reads its header and checks its chunks; nothing large is made before [`Decoder::decode`].
 
+mod image;
 mod info;
 
 pub use info::{ChunkInfo, Info};
@@ -9,28 +10,46 @@ pub use info::{ChunkInfo, Info};
 use crate::bits::Reader;
 #[cfg(feature = "exr")]
 use crate::codec::Exr;
+use crate::charts;
 use crate::codec::j2k::{self, J2k};
 use crate::codec::{PlaneCodec, Raw};
 use crate::error::{Error, Place, Result};
 use crate::extras::Parts;
-use crate::format::{Chunks, Header, MbcimChunk, PlanesChunk, RecipeChunk, STAGE, SurfaceChunk, read_stage};
+use crate::format::{Chunks, Header, ImageChunk, MbcimChunk, PlanesChunk, RecipeChunk, STAGE, SurfaceChunk, read_stage};
 use crate::images::{self, Pixels};
 use crate::limits::{Budget, Limits};
 use crate::mesh::{Attribute, AttributeKind, Domain, Mesh, Scalar};
 use crate::plane::from_octahedral;
-use crate::surface::{self, Census, Skin};
+use crate::surface::{self, Census, Effort, Skin};
 use crate::task::Task;
 
 /// A file that was opened.
 #[derive(Debug)]
 pub struct Decoder<'a> {
-    header: Header,
-    body: Body<'a>,
-    parts: Parts<'a>,
+    content: Content<'a>,
+    /// Halvings of a geometry image that are not undone.
+    level: u8,
     #[cfg_attr(not(feature = "png"), allow(dead_code))]
     recipe: Option<RecipeChunk>,
     limits: Limits,
     info: Info,
+}
+
+/// What a file holds.
+#[derive(Debug)]
+enum Content<'a> {
+    /// A mesh with its own connectivity.
+    Mesh(Box<MeshFile<'a>>),
+    /// A geometry image.
+    Image(ImageChunk<'a>),
+}
+
+/// A mesh with its own connectivity.
+#[derive(Debug)]
+struct MeshFile<'a> {
+    header: Header,
+    body: Body<'a>,
+    parts: Parts<'a>,
 }
 
 /// What the codec of a file needs.
@@ -56,6 +75,9 @@ impl<'a> Decoder<'a> {
     /// As [`Decoder::new`], and [`Error::Limit`].
     pub fn with_limits(bytes: &'a [u8], limits: Limits) -> Result<Self> {
         let chunks = Chunks::read(bytes)?;
+        if chunks.first() == Some(ImageChunk::TAG) {
+            return Self::of_image(bytes, &chunks, limits);
+        }
         let codecs = [Header::TAG, SurfaceChunk::TAG, MbcimChunk::TAG, PlanesChunk::TAG];
         chunks.check_known(&[&codecs[..], &Parts::TAGS].concat())?;
         let header = Header::read(chunks.one(Header::TAG)?.reader())?;
@@ -85,17 +107,19 @@ impl<'a> Decoder<'a> {
         let recipe = chunks.iter().find(|chunk| chunk.tag == RecipeChunk::TAG);
         let recipe = recipe.map(|chunk| RecipeChunk::read(chunk.reader())).transpose()?;
         let info = Info::new(bytes, &chunks, &header, &body, &parts, recipe.as_ref())?;
-        Ok(Self { header, body, parts, recipe, limits, info })
+        let content = Content::Mesh(Box::new(MeshFile { header, body, parts }));
+        Ok(Self { content, level: 0, recipe, limits, info })
     }
 
     /// Decodes no more than the first `count` stages beside the base; all of them if there are fewer.
     pub fn stages(mut self, count: usize) -> Self {
-        match &mut self.body {
+        let Content::Mesh(file) = &mut self.content else { return self };
+        match &mut file.body {
             Body::Surface { stages, .. } => stages.truncate(count),
             Body::Mbcim { stages, .. } => stages.truncate(count),
             Body::Planes { .. } => {}
         }
-        self.info.cut(&self.header, count);
+        self.info.cut(&file.header, count);
         self
     }
 
@@ -125,11 +149,14 @@ impl<'a> Decoder<'a> {
     pub fn decode_with(&self, task: Task<'_>) -> Result<Mesh> {
         task.step(0.0)?;
         let mut budget = Budget::new(self.limits);
-        let header = &self.header;
-        budget.check_vertices(header.vertices.into())?;
-        let surface = self.surface(&mut budget, task)?;
+        let file = match &self.content {
+            Content::Mesh(file) => file,
+            Content::Image(_) => return charts::mesh(&self.geometry_image_with(task)?, self.info.precision),
+        };
+        budget.check_vertices(file.header.vertices.into())?;
+        let surface = file.surface(self.info.effort, &mut budget, task)?;
         let (triangles, normals) = (surface.triangles, surface.normals);
-        let mut mesh = self.parts.mesh(header, surface.skin, surface.positions, triangles, &mut budget)?;
+        let mut mesh = file.parts.mesh(&file.header, surface.skin, surface.positions, triangles, &mut budget)?;
         mesh.precision = self.info.precision;
         if normals.len() == mesh.positions.len() && !normals.is_empty() {
             budget.reserve(24 * normals.len() as u64)?;
@@ -152,8 +179,12 @@ impl<'a> Decoder<'a> {
     /// # Errors
     /// A file without one.
     pub fn codestream(&self) -> Result<&'a [u8]> {
-        match &self.body {
-            Body::Planes { chunk, .. } if self.header.codec == Header::J2K => j2k::codestream(chunk.samples),
+        match &self.content {
+            Content::Mesh(file) if file.header.codec == Header::J2K => match &file.body {
+                Body::Planes { chunk, .. } => j2k::codestream(chunk.samples),
+                _ => Err(Error::malformed(Place::Whole, "JPEG 2000 without planes")),
+            },
+            Content::Image(chunk) if self.info.codec == "j2k" => j2k::codestream(chunk.bytes),
             _ => Err(Error::Parameter(format!("no JPEG 2000 codestream: the file is of the codec {}", self.info.codec))),
         }
     }
@@ -166,8 +197,26 @@ impl<'a> Decoder<'a> {
         j2k::wrap(self.codestream()?)
     }
 
+    /// The oriented manifold of triangles that the codec keeps; that is what an image is of.
+    #[cfg(any(feature = "encode", feature = "png"))]
+    pub(crate) fn decode_surface(&self, task: Task<'_>) -> Result<Mesh> {
+        Ok(self.decode_image(task)?.0)
+    }
+
+    /// The same, and which of its vertices each pixel is if the file holds the image itself.
+    #[cfg(any(feature = "encode", feature = "png"))]
+    pub(crate) fn decode_image(&self, task: Task<'_>) -> Result<(Mesh, Option<Pixels>)> {
+        let Content::Mesh(file) = &self.content else { return Ok((self.decode_with(task)?, None)) };
+        let decoded = file.surface(self.info.effort, &mut Budget::new(self.limits), task)?;
+        let lattice = file.header.lattice.lattice();
+        let positions = decoded.positions.into_iter().map(|q| file.header.position(&lattice, q)).collect();
+        Ok((Mesh::from_triangles(positions, decoded.skin.triangles), decoded.pixels))
+    }
+}
+
+impl MeshFile<'_> {
     /// The surface that the codec keeps.
-    fn surface(&self, budget: &mut Budget, task: Task<'_>) -> Result<Decoded> {
+    fn surface(&self, effort: Effort, budget: &mut Budget, task: Task<'_>) -> Result<Decoded> {
         let header = &self.header;
         let (vertices, _) = self.parts.surface_size(header);
         budget.check_vertices(vertices.into())?;
@@ -180,7 +229,7 @@ impl<'a> Decoder<'a> {
                 for stage in stages {
                     positions.push(read_stage(stage.clone(), count)?);
                 }
-                let plan = surface::Plan { effort: self.info.effort, stages: &chunk.stages };
+                let plan = surface::Plan { effort, stages: &chunk.stages };
                 let (connectivity, extent) = (chunk.connectivity, header.extent);
                 let coded = surface::Coded { plan, census, extent, connectivity, positions };
                 let (surface, positions) = surface::read(&coded, budget, task)?;
@@ -199,21 +248,6 @@ impl<'a> Decoder<'a> {
                 .map_err(|why| Error::malformed(Place::Whole, format!("the surface is none: {why}")))?
         };
         Ok(Decoded { skin, positions: decoded.positions, triangles, normals: decoded.normals, pixels: decoded.pixels })
-    }
-
-    /// The oriented manifold of triangles that the codec keeps; that is what an image is of.
-    #[cfg(any(feature = "encode", feature = "png"))]
-    pub(crate) fn decode_surface(&self, task: Task<'_>) -> Result<Mesh> {
-        Ok(self.decode_image(task)?.0)
-    }
-
-    /// The same, and which of its vertices each pixel is if the file holds the image itself.
-    #[cfg(any(feature = "encode", feature = "png"))]
-    pub(crate) fn decode_image(&self, task: Task<'_>) -> Result<(Mesh, Option<Pixels>)> {
-        let decoded = self.surface(&mut Budget::new(self.limits), task)?;
-        let lattice = self.header.lattice.lattice();
-        let positions = decoded.positions.into_iter().map(|q| self.header.position(&lattice, q)).collect();
-        Ok((Mesh::from_triangles(positions, decoded.skin.triangles), decoded.pixels))
     }
 }
 

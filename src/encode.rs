@@ -3,6 +3,7 @@
 //! Mesh → oriented manifold → filled surface → lattice → streams → chunks.
 
 mod fidelity;
+mod image;
 mod planes;
 
 use crate::cgim::Search;
@@ -15,7 +16,7 @@ use crate::format::{
 use crate::images;
 use crate::limits::Limits;
 use crate::mesh::{Attribute, AttributeKind, Domain, Front, HalfEdges, Mesh, Scalar};
-use crate::options::{Accuracy, Codec, EncodeOptions, Quality};
+use crate::options::{Accuracy, Codec, EncodeOptions, Method, Quality};
 use crate::plane::{Lattice, bounding_box};
 use crate::surface::{self, Effort, Filled};
 use crate::task::Task;
@@ -52,6 +53,9 @@ impl EncodeOptions {
         self.check()?;
         task.step(0.0)?;
         mesh.check()?;
+        if self.method == Method::Gim {
+            return self.encode_as_image(mesh, task);
+        }
         let (Ok(vertices), Ok(faces)) = (u32::try_from(mesh.positions.len()), u32::try_from(mesh.faces.len())) else {
             return Err(Error::Parameter("more vertices or faces than 32 bits count".into()));
         };
@@ -66,6 +70,7 @@ impl EncodeOptions {
             #[cfg(feature = "exr")]
             Codec::Exr => Header::EXR,
             Codec::J2k => Header::J2K,
+            Codec::Wavelet => return Err(self.codec.not_for_meshes()),
         };
         let draft = Header {
             codec,
@@ -237,6 +242,7 @@ fn place(accuracy: Accuracy, draft: Header, mesh: &Mesh) -> Result<(Header, Vec<
         }
         Accuracy::Step(step) => on_lattice(free(step), draft, mesh),
         Accuracy::Lattice(lattice) => on_lattice(LatticeForm::Free(lattice), draft, mesh),
+        Accuracy::Psnr(_) | Accuracy::Size(_) => Err(Error::Parameter("this target is for the method gim".into())),
         Accuracy::RelativeError(_) if diagonal == 0.0 => on_lattice(free(1.0), draft, mesh),
         Accuracy::Error(_) | Accuracy::RelativeError(_) => {
             let bound = if let Accuracy::RelativeError(share) = accuracy {

@@ -23,7 +23,7 @@
 //!  6  main.rs  cli                      talks: flags, stderr, exit codes. Computes nothing.
 //!  5  eval  picture                     every measure, the same-connectivity question, reports
 //!  4  encode  decode  options           the two doors; the only files that see both wings
-//!     images  extras                    what both of them say
+//!     images  extras  charts  judge     what both of them say
 //!     ─────────────────────────────┬──────────────────────────────────────────────
 //!       SURFACE WING               │            BYTE WING
 //!       (never sees a byte)        │            (never sees a triangle)
@@ -40,6 +40,8 @@
 mod bits;
 #[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod cgim;
+#[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
+mod charts;
 #[allow(dead_code, unused_imports)] // until both doors use all of it
 mod codec;
 mod decode;
@@ -60,6 +62,8 @@ mod geom;
 mod gim;
 #[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod images;
+#[cfg(feature = "encode")]
+mod judge;
 mod limits;
 #[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod mesh;
@@ -89,7 +93,9 @@ pub use error::{Error, MeshDefect, Place, Result};
 pub use limits::Limits;
 pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Label, LabelKind, Loaded, Mesh, Places, Scalar};
 #[cfg(feature = "encode")]
-pub use options::{Accuracy, Boundaries, Codec, EncodeOptions, ImageChoices, J2kChoices, Quality};
+pub use options::{
+    Accuracy, Adjust, Boundaries, Codec, EncodeOptions, GimChoices, Grid, ImageChoices, J2kChoices, Method, Param, Quality, Sampling,
+};
 pub use par::with_threads;
 pub use plane::{GeometryImage, Gluing, Lattice};
 #[cfg(feature = "encode")]
@@ -108,4 +114,5 @@ pub mod resample {
 #[doc(hidden)]
 pub mod inner {
     pub use crate::codec::j2k::trial as j2k;
+    pub use crate::codec::wavelet::trial as wavelet;
 }

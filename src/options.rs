@@ -1,5 +1,9 @@
 //! What a caller may choose.
 
+mod gim;
+
+pub use gim::{Adjust, GimChoices, Grid, Param, Sampling};
+
 use crate::error::{Error, Result};
 use crate::plane::Lattice;
 use crate::surface::Effort;
@@ -14,18 +18,33 @@ use crate::surface::Effort;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct EncodeOptions {
-    /// How exact positions are kept. Default: 12 bits.
+    /// How the mesh is kept. Default: [`Method::Cgim`].
+    pub method: Method,
+    /// How exact positions are kept. Default: 12 bits; a psnr of 70 dB for geometry images.
     pub accuracy: Accuracy,
     /// Time for size. Default: [`Effort::Default`].
     pub effort: Effort,
-    /// How the mesh becomes bytes. Default: [`Codec::Surface`].
+    /// How the mesh becomes bytes. Default: [`Codec::Surface`]; [`Codec::Wavelet`] for geometry images.
     pub codec: Codec,
+    /// Geometry images: how they are made.
+    pub gim: GimChoices,
     /// Images of vertices: how small, and in which stages.
     pub image: ImageChoices,
     /// Whether vertices, faces and the corners of each face come back in the order they had. Default: no.
     pub keep_order: bool,
     /// JPEG 2000: how much of the planes is kept.
     pub j2k: J2kChoices,
+}
+
+/// How a mesh is kept.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Method {
+    /// With its connectivity, exactly.
+    #[default]
+    Cgim,
+    /// As a geometry image: the surface is sampled anew.
+    Gim,
 }
 
 /// How a mesh becomes bytes.
@@ -44,6 +63,14 @@ pub enum Codec {
     Exr,
     /// The same as a JPEG 2000 picture, without loss or with.
     J2k,
+    /// Geometry images: as wavelet coefficients in local frames, the smallest files.
+    Wavelet,
+}
+
+impl Codec {
+    pub(crate) fn not_for_meshes(self) -> Error {
+        Error::Parameter(format!("the codec {self:?} is for geometry images (method gim)"))
+    }
 }
 
 /// What may be chosen for the codec [`Codec::J2k`].
@@ -130,19 +157,46 @@ pub enum Accuracy {
     RelativeError(f64),
     /// A lattice given by the caller: files that share one agree where they meet.
     Lattice(Lattice),
+    /// Geometry images: at least this psnr, in dB, with as few bytes as a search finds.
+    Psnr(f64),
+    /// Geometry images: at most so many bytes, with the best psnr that a search finds.
+    Size(u64),
 }
 
 impl EncodeOptions {
     /// Keeps the connectivity exactly (method `cgim`), with 12 bits a coordinate.
     pub fn cgim() -> Self {
         Self {
+            method: Method::Cgim,
             accuracy: Accuracy::Bits(12),
             effort: Effort::default(),
             codec: Codec::default(),
+            gim: GimChoices::default(),
             image: ImageChoices::default(),
             keep_order: false,
             j2k: J2kChoices::default(),
         }
+    }
+
+    /// Samples the surface as a geometry image (method `gim`), with a psnr of 70 dB.
+    pub fn gim() -> Self {
+        Self { method: Method::Gim, accuracy: Accuracy::Psnr(70.0), codec: Codec::Wavelet, ..Self::cgim() }
+    }
+
+    /// The same with at least this psnr, in dB.
+    pub fn psnr(self, psnr: f64) -> Self {
+        self.accuracy(Accuracy::Psnr(psnr))
+    }
+
+    /// The same with at most so many bytes.
+    pub fn size(self, bytes: u64) -> Self {
+        self.accuracy(Accuracy::Size(bytes))
+    }
+
+    /// The same with other choices for geometry images.
+    pub fn gim_choices(mut self, choices: GimChoices) -> Self {
+        self.gim = choices;
+        self
     }
 
     /// The same with 2^`bits` lattice points on the longest side of the box.
@@ -218,11 +272,17 @@ impl EncodeOptions {
         self.image.check()?;
         self.j2k.check()?;
         self.check_codec()?;
+        self.check_method()?;
         match self.accuracy {
             Accuracy::Bits(bits) if !(1..=crate::format::MAX_BITS).contains(&bits) => {
                 Err(Error::Parameter(format!("bits must be 1 to {}, found {bits}", crate::format::MAX_BITS)))
             }
             Accuracy::Bits(_) => Ok(()),
+            Accuracy::Psnr(psnr) if !(psnr > 0.0 && psnr < 300.0) => {
+                Err(Error::Parameter(format!("the psnr must be between 0 and 300 dB, found {psnr}")))
+            }
+            Accuracy::Size(0) => Err(Error::Parameter("a file has more than 0 bytes".into())),
+            Accuracy::Psnr(_) | Accuracy::Size(_) => Ok(()),
             Accuracy::Step(step) => positive("the step", step),
             Accuracy::Error(bound) | Accuracy::RelativeError(bound) => positive("the error", bound),
             Accuracy::Lattice(lattice) => {

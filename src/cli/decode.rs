@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 use gimc::eval::Json;
-use gimc::picture::VertexImage;
+use gimc::picture::{VertexImage, grid};
 use gimc::{Decoder, Format};
 
 use super::failure::Failure;
@@ -23,7 +23,11 @@ pub(super) struct Decode {
     /// Decode the base and so many stages beside it [default: all].
     #[arg(long, value_name = "S")]
     stage: Option<usize>,
-    /// Also write the planes of the image of vertices into this folder, as PNG: positions, normals, index.
+    /// Decode a geometry image only to a coarser level: each halves its sides [default: 0, all of it].
+    #[arg(long, value_name = "L")]
+    level: Option<u8>,
+    /// Also write the planes of the image into this folder: positions and normals as PNG; of an image of vertices also its
+    /// index, of a geometry image also geometry.exr.
     #[arg(long, value_name = "DIR")]
     planes: Option<PathBuf>,
     /// The format of the mesh: obj, ply, off, stl, glb [default: by extension; ply on stdout].
@@ -54,8 +58,18 @@ impl Decode {
         let limits = self.limits.limits();
         let decoded = self.common.run("decoding", |task| {
             let decoder = Decoder::with_limits(&bytes, limits)?.stages(self.stage.unwrap_or(usize::MAX));
+            let decoder = decoder.level(self.level.unwrap_or(0));
             if self.planes.is_none() {
                 return Ok((decoder.decode_with(task)?, decoder.info().clone(), Vec::new()));
+            }
+            if decoder.info().method == "gim" {
+                let image = decoder.geometry_image_with(task)?;
+                let pictures = vec![
+                    ("positions.png", grid::points_png(&image)?),
+                    ("normals.png", grid::normals_png(&image)?),
+                    ("geometry.exr", image.to_exr()?),
+                ];
+                return Ok((decoder.decode_with(task)?, decoder.info().clone(), pictures));
             }
             let image = VertexImage::of_file(&decoder, task)?;
             let pictures = vec![
@@ -76,25 +90,29 @@ impl Decode {
         let file = output::name(&self.mesh);
         self.common.notes(&file, &notes);
         let seconds = start.elapsed().as_secs_f64();
+        // What the file promises is of all of it.
+        let whole = info.bound.is_finite() && self.level.is_none_or(|level| level == 0 || info.levels == 0);
         if self.common.json {
             let json = Json::object([
+                ("level", u32::from(self.level.unwrap_or(0).min(info.levels)).into()),
                 ("vertices", mesh.positions.len().into()),
                 ("faces", mesh.faces.len().into()),
                 ("method", info.method.into()),
                 ("codec", info.codec.into()),
                 ("format", format.name().into()),
-                ("bound", info.bound.into()),
+                ("bound", if whole { info.bound.into() } else { Json::Null }),
                 ("connectivity_exact", info.connectivity_exact.into()),
                 ("seconds", seconds.into()),
             ]);
             output::print(&format!("{json}\n"))?;
         } else {
             let (v, f) = (thousands(mesh.positions.len() as u64), thousands(mesh.faces.len() as u64));
-            if !info.connectivity_exact {
+            if !info.connectivity_exact && info.method == "cgim" {
                 self.common
                     .notes(&file, &["the connectivity is not that of the original: the cluster phase did not find it".into()]);
             }
-            self.common.say(format!("{file}: {v} vertices, {f} faces; within {}; {seconds:.2} s", number(info.bound)));
+            let within = if whole { format!("within {}; ", number(info.bound)) } else { String::new() };
+            self.common.say(format!("{file}: {v} vertices, {f} faces; {within}{seconds:.2} s"));
         }
         Ok(ExitCode::SUCCESS)
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use gimc::eval::Json;
-use gimc::{Effort, EncodeOptions, Encoded, Format};
+use gimc::{Effort, EncodeOptions, Encoded, Format, Task};
 
 use super::failure::Failure;
 use super::table::{number, thousands};
@@ -14,19 +14,21 @@ use super::{Common, Outcome, input, output, positive};
 
 /// Encode a mesh.
 ///
-/// The connectivity is kept exactly; positions are put on a lattice, and the file states a bound on the error that holds.
+/// The method cgim keeps the connectivity exactly: positions are put on a lattice, and the file states a bound on the error
+/// that holds. The method gim samples the surface anew as a geometry image, in far fewer bytes; it also takes an image that was
+/// made elsewhere, as an OpenEXR picture or a PNG of 16 bits (--lattice says what its samples stand for).
 #[derive(Debug, Args)]
 pub(super) struct Encode {
-    /// The mesh: obj, ply, off, stl or glb.
+    /// The mesh: obj, ply, off, stl or glb. With the method gim also a picture: exr or png.
     mesh: PathBuf,
     /// The file to make.
     out: PathBuf,
     /// How the mesh is kept.
     #[arg(long, value_enum, default_value = "cgim")]
     method: Method,
-    /// How it becomes bytes.
-    #[arg(long, value_enum, default_value = "surface")]
-    codec: Codec,
+    /// How it becomes bytes [default: surface; wavelet for the method gim].
+    #[arg(long, value_enum)]
+    codec: Option<Codec>,
     /// Positions on a lattice of 2^Q points along the longest side of the box [default: 12].
     #[arg(long, value_name = "Q", value_parser = clap::value_parser!(u32).range(1..=24), group = "accuracy")]
     bits: Option<u32>,
@@ -42,6 +44,11 @@ pub(super) struct Encode {
     /// A lattice of your own: its origin and step. Files that share one agree where they meet.
     #[arg(long, value_name = "X,Y,Z,STEP", value_parser = lattice, allow_hyphen_values = true, group = "accuracy")]
     lattice: Option<([f64; 3], f64)>,
+    /// gim: at most so many bytes, with the best psnr that a search finds.
+    #[arg(long, value_name = "BYTES", value_parser = super::amount, group = "accuracy")]
+    size: Option<u64>,
+    #[command(flatten)]
+    gim: super::gim::GimFlags,
     /// Trials for a small image of vertices [default: 1].
     #[arg(long, value_name = "N", help_heading = "Images of vertices", value_parser = clap::value_parser!(u32).range(1..))]
     search: Option<u32>,
@@ -69,8 +76,8 @@ pub(super) struct Encode {
     /// j2k: bits for each pixel of the image, at most.
     #[arg(long, value_name = "BPP", value_parser = positive, help_heading = "JPEG 2000", group = "quality")]
     rate: Option<f64>,
-    /// j2k: a psnr of the decoded mesh, at least, in dB.
-    #[arg(long, value_name = "P", value_parser = positive, help_heading = "JPEG 2000", group = "quality")]
+    /// gim and j2k: a psnr of the decoded mesh, at least, in dB [default for gim: 70].
+    #[arg(long, value_name = "P", value_parser = positive, group = "quality")]
     psnr: Option<f64>,
     /// j2k: keep every sample (the default).
     #[arg(long, help_heading = "JPEG 2000", group = "quality")]
@@ -98,6 +105,8 @@ pub(super) struct Encode {
 enum Method {
     /// Keep the connectivity.
     Cgim,
+    /// Sample the surface as a geometry image: far fewer bytes.
+    Gim,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -112,6 +121,8 @@ enum Codec {
     Exr,
     /// The same as a JPEG 2000 picture, without loss or with.
     J2k,
+    /// gim: wavelet coefficients in local frames, the smallest.
+    Wavelet,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -151,7 +162,7 @@ fn lattice(text: &str) -> Result<([f64; 3], f64), String> {
 
 impl Encode {
     fn check(&self) -> Result<(), Failure> {
-        let is_j2k = matches!(self.codec, Codec::J2k);
+        let is_j2k = matches!(self.codec, Some(Codec::J2k));
         if self.lossless && !is_j2k {
             return Err(Failure::wrong_use("--lossless is for the codec j2k", Some("add `--codec j2k`".into())));
         }
@@ -159,19 +170,24 @@ impl Encode {
     }
 
     fn options(&self) -> EncodeOptions {
-        let Method::Cgim = self.method;
-        let mut options = EncodeOptions::cgim().effort(match self.effort {
+        let is_gim = matches!(self.method, Method::Gim);
+        let mut options = if is_gim { EncodeOptions::gim() } else { EncodeOptions::cgim() };
+        options = options.effort(match self.effort {
             EffortName::Fast => Effort::Fast,
             EffortName::Default => Effort::Default,
             EffortName::Best => Effort::Best,
         });
+        let usual = options.codec;
         options = options.codec(match self.codec {
-            Codec::Surface => gimc::Codec::Surface,
-            Codec::Mbcim => gimc::Codec::Mbcim,
-            Codec::Raw => gimc::Codec::Raw,
-            Codec::Exr => gimc::Codec::Exr,
-            Codec::J2k => gimc::Codec::J2k,
+            None => usual,
+            Some(Codec::Surface) => gimc::Codec::Surface,
+            Some(Codec::Mbcim) => gimc::Codec::Mbcim,
+            Some(Codec::Raw) => gimc::Codec::Raw,
+            Some(Codec::Exr) => gimc::Codec::Exr,
+            Some(Codec::J2k) => gimc::Codec::J2k,
+            Some(Codec::Wavelet) => gimc::Codec::Wavelet,
         });
+        options = options.gim_choices(self.gim.choices());
         let mut image = gimc::ImageChoices::default();
         image.search = self.search.map_or(image.search, |n| n as usize);
         image.seed = self.seed;
@@ -187,7 +203,7 @@ impl Encode {
         let mut j2k = gimc::J2kChoices::default();
         if let Some(bpp) = self.rate {
             j2k.quality = gimc::Quality::BitsPerPixel(bpp);
-        } else if let Some(psnr) = self.psnr {
+        } else if let Some(psnr) = self.psnr.filter(|_| !is_gim) {
             j2k.quality = gimc::Quality::Psnr(psnr);
         }
         j2k.layers = self.layers;
@@ -203,10 +219,19 @@ impl Encode {
             options = options.error(bound);
         } else if let Some(bound) = self.error_rel {
             options = options.error_relative(bound);
-        } else if let Some((origin, step)) = self.lattice {
+        } else if let Some(bytes) = self.size {
+            options = options.size(bytes);
+        } else if let Some((origin, step)) = self.lattice.filter(|_| !self.is_picture()) {
             options = options.lattice(origin, step);
+        } else if let Some(psnr) = self.psnr.filter(|_| is_gim) {
+            options = options.psnr(psnr);
         }
         options
+    }
+
+    /// Whether the input is a geometry image and no mesh.
+    fn is_picture(&self) -> bool {
+        matches!(self.method, Method::Gim) && self.format.is_none() && super::gim::is_picture(&self.mesh)
     }
 
     pub(super) fn run(self) -> Outcome {
@@ -216,15 +241,27 @@ impl Encode {
         self.check()?;
         let start = Instant::now();
         let file = input::name(&self.mesh);
-        let (mesh, notes) = input::mesh(&self.mesh, self.format)?;
-        self.common.notes(&file, &notes);
         let options = self.options();
-        let encoded =
-            self.common.run("encoding", |task| options.encode_with(&mesh, task)).map_err(|e| Failure::in_file(&file, e))?;
+        let (encoded, vertices) = if self.is_picture() {
+            let lattice = self.lattice.map(|(origin, step)| gimc::Lattice { origin, step });
+            let image = self.gim.picture(&self.mesh, lattice)?;
+            let original = self.gim.original.as_deref().map(|path| input::mesh(path, self.format)).transpose()?;
+            let original = original.as_ref().map(|(mesh, _)| mesh);
+            let encode = |task: Task<'_>| options.encode_image(&image, original, task);
+            let encoded = self.common.run("encoding", encode).map_err(|e| Failure::in_file(&file, e))?;
+            let vertices = original.map_or(encoded.info.vertices as usize, |mesh| mesh.positions.len());
+            (encoded, vertices)
+        } else {
+            self.gim.check_mesh(&file)?;
+            let (mesh, notes) = input::mesh(&self.mesh, self.format)?;
+            self.common.notes(&file, &notes);
+            let encode = |task: Task<'_>| options.encode_with(&mesh, task);
+            (self.common.run("encoding", encode).map_err(|e| Failure::in_file(&file, e))?, mesh.positions.len())
+        };
         self.common.notes(&file, &encoded.notes);
         output::write(&self.out, |out| Ok(out.write_all(&encoded.bytes)?))?;
         let seconds = start.elapsed().as_secs_f64();
-        let bpv = 8.0 * encoded.bytes.len() as f64 / mesh.positions.len().max(1) as f64;
+        let bpv = 8.0 * encoded.bytes.len() as f64 / vertices.max(1) as f64;
         if self.common.json {
             output::print(&format!("{}\n", json(&encoded, bpv, seconds)))?;
         } else {
@@ -235,7 +272,10 @@ impl Encode {
                 thousands(info.vertices),
                 thousands(info.faces),
                 thousands(encoded.bytes.len() as u64),
-                number(info.bound),
+                match info.psnr {
+                    Some(psnr) => format!("{}, {psnr:.2} dB", number(info.bound)),
+                    None => number(info.bound),
+                },
             ));
         }
         Ok(ExitCode::SUCCESS)
@@ -264,6 +304,7 @@ fn json(encoded: &Encoded, bpv: f64, seconds: f64) -> Json {
         ("bits", info.bits.map_or(Json::Null, Json::from)),
         ("step", info.step.into()),
         ("bound", info.bound.into()),
+        ("psnr", info.psnr.map_or(Json::Null, Json::from)),
         ("rows", info.image.map_or(Json::Null, |[rows, _]| rows.into())),
         ("columns", info.image.map_or(Json::Null, |[_, columns]| columns.into())),
         ("connectivity_exact", info.connectivity_exact.into()),

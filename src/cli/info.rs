@@ -48,6 +48,10 @@ fn json(info: &gimc::Info, bytes: usize, bpv: f64) -> String {
         ("step", info.step.into()),
         ("bits", info.bits.map_or(Json::Null, Json::from)),
         ("bound", info.bound.into()),
+        ("psnr", info.psnr.map_or(Json::Null, Json::from)),
+        ("levels", u32::from(info.levels).into()),
+        ("gluing", info.gluing.map_or(Json::Null, |gluing| gluing_name(gluing).into())),
+        ("history", info.history.as_deref().map_or(Json::Null, Json::from)),
         ("rows", info.image.map_or(Json::Null, |[rows, _]| rows.into())),
         ("columns", info.image.map_or(Json::Null, |[_, columns]| columns.into())),
         ("boundaries", info.boundaries.map_or(Json::Null, Json::from)),
@@ -85,7 +89,13 @@ fn text(info: &gimc::Info, file: &str, bytes: usize, bpv: f64) -> String {
     table.row("box", format!("{}  to  {}", point(info.bounds[0]), point(info.bounds[1])));
     let bits = info.bits.map_or(String::new(), |bits| format!(", {bits} bits"));
     table.row("step", format!("{}{bits}, from {}", number(info.step), point(info.origin)));
-    table.row("bound", format!("{}: no point of either surface is farther than this from the other", number(info.bound)));
+    if info.bound.is_finite() {
+        let said = "no point of either surface is farther than this from the other";
+        table.row("bound", format!("{}: {said}", number(info.bound)));
+    }
+    if let Some(psnr) = info.psnr {
+        table.row("psnr", format!("{psnr:.2} dB"));
+    }
     table.row("coordinates", precision(info));
     if let Some([rows, columns]) = info.image {
         table.row("image", format!("{rows} rows, {columns} columns"));
@@ -100,6 +110,13 @@ fn text(info: &gimc::Info, file: &str, bytes: usize, bpv: f64) -> String {
     if info.normal_bits > 0 {
         table.row("normals", format!("two planes of {} bits", info.normal_bits));
     }
+    if let Some(gluing) = info.gluing {
+        let levels = if info.levels == 0 { String::new() } else { format!(", {} coarser levels", info.levels) };
+        table.row("border", format!("{}{levels}", gluing_name(gluing)));
+    }
+    if let Some(history) = &info.history {
+        table.row("history", history);
+    }
     table.row("connectivity", if info.connectivity_exact { "that of the original" } else { "not that of the original" });
     if !info.stages.is_empty() {
         let present = format!("{} of {} here", info.stages_present, info.stages.len());
@@ -110,4 +127,9 @@ fn text(info: &gimc::Info, file: &str, bytes: usize, bpv: f64) -> String {
     }
     table.row("to decode", format!("{} bytes of memory, {} steps", thousands(info.memory), thousands(info.work)));
     table.to_string()
+}
+
+/// How a geometry image is glued, by its name on the command line.
+fn gluing_name(gluing: gimc::Gluing) -> &'static str {
+    if gluing == gimc::Gluing::Orbifold { "orbifold" } else { "open" }
 }

@@ -8,6 +8,7 @@ mod completions;
 mod decode;
 mod encode;
 mod failure;
+mod gim;
 mod info;
 mod input;
 mod inspect;

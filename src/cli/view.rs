@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use gimc::Decoder;
-use gimc::picture::{Camera, VertexImage, shade};
+use gimc::picture::{Camera, VertexImage, grid, shade};
 
 use super::failure::Failure;
 use super::{Common, LimitFlags, Outcome, input, output};
@@ -28,6 +28,9 @@ pub(super) struct View {
     /// From where: turned about the upright axis, and raised above the horizon, in degrees.
     #[arg(long, value_name = "AZ,EL", value_parser = camera, allow_hyphen_values = true, default_value = "30,20")]
     camera: (f64, f64),
+    /// Of a geometry image only a coarser level: each halves its sides.
+    #[arg(long, value_name = "L")]
+    level: Option<u8>,
     #[command(flatten)]
     limits: LimitFlags,
     #[command(flatten)]
@@ -94,9 +97,19 @@ impl View {
             })
         } else {
             self.common.run("drawing", |task| {
-                let decoder = Decoder::with_limits(&bytes, limits)?;
+                let decoder = Decoder::with_limits(&bytes, limits)?.level(self.level.unwrap_or(0));
                 if self.what == What::Mesh {
                     return shaded(&decoder.decode_with(task)?);
+                }
+                if decoder.info().method == "gim" {
+                    let image = decoder.geometry_image_with(task)?;
+                    return match self.what {
+                        What::Normals => grid::normals_png(&image),
+                        What::Index => Err(gimc::Error::Parameter(
+                            "a geometry image has no index plane: every sample is a vertex of its own".into(),
+                        )),
+                        _ => grid::points_png(&image),
+                    };
                 }
                 let image = VertexImage::of_file(&decoder, task)?;
                 match self.what {

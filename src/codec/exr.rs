@@ -98,6 +98,56 @@ impl PlaneCodec for Exr {
     }
 }
 
+/// Points as a picture of 32-bit floats: R, G and B are x, y and z, as they are.
+pub(crate) fn write_points(shape: Shape, points: &[[f64; 3]]) -> Result<Vec<u8>> {
+    let channel = |i: usize| {
+        let samples = points.iter().map(|p| p[i] as f32).collect();
+        AnyChannel::new(name(i, 3).as_str(), FlatSamples::F32(samples))
+    };
+    let channels = AnyChannels::sort([0, 1, 2].map(channel).into_iter().collect());
+    let layer = Layer::new((shape.width(), shape.height()), LayerAttributes::default(), Encoding::SMALL_FAST_LOSSLESS, channels);
+    let mut bytes = Cursor::new(Vec::new());
+    let written = Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes);
+    written.map_err(|e| Error::Parameter(format!("the EXR picture cannot be written: {e}")))?;
+    Ok(bytes.into_inner())
+}
+
+/// The points of a picture that any program may have made: channels R, G, B or X, Y, Z of floats of 32 or 16 bits.
+pub(crate) fn read_points(bytes: &[u8], budget: &mut Budget) -> Result<(Shape, Vec<[f64; 3]>)> {
+    let malformed = |why: String| Error::malformed(Place::Whole, why);
+    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false);
+    let meta = meta.map_err(|e| malformed(format!("not an EXR picture: {e}")))?;
+    let [header] = meta.headers.as_slice() else {
+        return Err(malformed(format!("an EXR file of {} pictures, 1 expected", meta.headers.len())));
+    };
+    let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    let shape = Shape::new(side(header.layer_size.width()), side(header.layer_size.height()));
+    let shape = shape.map_err(|e| malformed(e.to_string()))?;
+    budget.check_pixels(shape.pixels() as u64)?;
+    let samples = header.channels.list.len().max(3) as u64 * shape.pixels() as u64;
+    budget.reserve(samples.saturating_mul(2 * BYTES_A_SAMPLE))?;
+    budget.spend(samples.saturating_mul(8))?;
+    let picture = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+    let picture = picture.non_parallel().from_buffered(Cursor::new(bytes));
+    let picture = picture.map_err(|e| malformed(format!("not an EXR picture: {e}")))?;
+    let channel = |i: usize| {
+        let found = ["RGB", "rgb", "XYZ", "xyz"].iter().find_map(|names| {
+            picture.layer_data.channel_data.list.iter().find(|channel| channel.name.eq(&names[i..=i]))
+        });
+        let found = found.ok_or_else(|| malformed(format!("an EXR picture without a channel {}", name(i, 3))))?;
+        match &found.sample_data {
+            FlatSamples::F32(samples) => Ok(samples.iter().map(|&x| f64::from(x)).collect::<Vec<_>>()),
+            FlatSamples::F16(samples) => Ok(samples.iter().map(|&x| f64::from(x.to_f32())).collect()),
+            FlatSamples::U32(_) => Err(malformed("an EXR picture of integers; coordinates are floats".into())),
+        }
+    };
+    let planes = [channel(0)?, channel(1)?, channel(2)?];
+    if planes.iter().any(|plane| plane.len() != shape.pixels()) {
+        return Err(malformed("an EXR picture whose channels differ in size".into()));
+    }
+    Ok((shape, (0..shape.pixels()).map(|at| [planes[0][at], planes[1][at], planes[2][at]]).collect()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,6 +167,19 @@ mod tests {
             let bytes = Exr.encode(&planes, &Task::default()).unwrap();
             assert_eq!(bytes[..4], [0x76, 0x2f, 0x31, 0x01], "the magic number of OpenEXR");
             assert_eq!(Exr.decode(&bytes, shape, depths, &mut Budget::new(Limits::default())).unwrap(), planes);
+        }
+    }
+
+    #[test]
+    fn points_come_back_as_they_are_in_single_precision() {
+        let shape = Shape::new(9, 4).unwrap();
+        let points: Vec<[f64; 3]> = (0..36).map(|i| [f64::from(i) * 0.25, -1e6 - f64::from(i), 0.5]).collect();
+        let bytes = write_points(shape, &points).unwrap();
+        assert_eq!(read_points(&bytes, &mut Budget::new(Limits::default())).unwrap(), (shape, points));
+        let few = Limits::default().pixels(35);
+        assert!(matches!(read_points(&bytes, &mut Budget::new(few)), Err(Error::Limit { which: "pixels", .. })));
+        for end in 0..bytes.len() {
+            drop(read_points(&bytes[..end], &mut Budget::new(Limits::default())));
         }
     }
 

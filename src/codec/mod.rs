@@ -5,9 +5,10 @@ mod exr;
 pub(crate) mod j2k;
 pub(crate) mod mbcim;
 mod raw;
+pub(crate) mod wavelet;
 
 #[cfg(feature = "exr")]
-pub(crate) use exr::Exr;
+pub(crate) use exr::{Exr, read_points, write_points};
 pub(crate) use raw::Raw;
 
 use crate::error::Result;

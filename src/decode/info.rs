@@ -7,6 +7,7 @@ use crate::extras::Parts;
 use crate::format::{Borders, Chunks, Header, LatticeForm, RecipeChunk};
 use crate::images;
 use crate::mesh::Scalar;
+use crate::plane::Gluing;
 use crate::surface::{self, Effort};
 
 /// What a file says of itself before it is decoded.
@@ -15,7 +16,7 @@ use crate::surface::{self, Effort};
 pub struct Info {
     /// The version of the format.
     pub version: u8,
-    /// `cgim`: the connectivity is kept exactly.
+    /// `cgim`: the connectivity is kept exactly; `gim`: the surface was sampled as a geometry image.
     pub method: &'static str,
     /// How the mesh became bytes.
     pub codec: &'static str,
@@ -33,8 +34,17 @@ pub struct Info {
     pub step: f64,
     /// log₂ of the lattice points on the longest side of the box, if the lattice was chosen so.
     pub bits: Option<u32>,
-    /// No point of the original surface is farther than this from the decoded one, nor the other way round.
+    /// No point of the original surface is farther than this from the decoded one, nor the other way round; infinite where
+    /// a geometry image states none. It is said of the whole file, not of a coarser level.
     pub bound: f64,
+    /// The psnr of a geometry image against its original, in dB, if the file states it.
+    pub psnr: Option<f64>,
+    /// How often a geometry image can be halved without decoding its finer levels.
+    pub levels: u8,
+    /// How the border of a geometry image is glued.
+    pub gluing: Option<Gluing>,
+    /// How the image came about, if the file tells.
+    pub history: Option<String>,
     /// The number type of the positions.
     pub precision: Scalar,
     /// Whether the mesh is an oriented manifold of triangles that uses all its vertices.
@@ -43,7 +53,7 @@ pub struct Info {
     pub chunks: Vec<ChunkInfo>,
     /// The bytes by what they are for; they add up to the size of the file.
     pub parts: Vec<(&'static str, u64)>,
-    /// Rows and columns of the image of vertices, if the file says how to make one.
+    /// Rows and columns of the geometry image, or of the image of vertices if the file says how to make one.
     pub image: Option<[u32; 2]>,
     /// Bits that each stage after the first adds to every coordinate; one entry a stage.
     pub stages: Vec<u8>,
@@ -156,6 +166,10 @@ impl Info {
             step: lattice.step,
             bits,
             bound: bound(header, &stages, stages_present),
+            psnr: None,
+            levels: 0,
+            gluing: None,
+            history: None,
             precision: if header.double { Scalar::F64 } else { Scalar::F32 },
             manifold: beside.fixes.is_none(),
             chunks: chunks

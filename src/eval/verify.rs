@@ -7,7 +7,7 @@ use super::measure::{CompareOptions, compare};
 use super::same::{Verdict, same};
 use crate::decode::{Decoder, Info};
 use crate::error::{Error, Result};
-use crate::format::{Chunks, Header};
+use crate::format::{Chunks, Header, ImageChunk};
 use crate::limits::Limits;
 use crate::mesh::{HalfEdges, Mesh};
 use crate::task::Task;
@@ -92,7 +92,12 @@ pub fn verify(bytes: &[u8], limits: Limits, original: Option<&Mesh>, task: Task<
 /// The header is written as an encoder writes it, and no byte is unaccounted for.
 fn canonical(bytes: &[u8]) -> std::result::Result<String, String> {
     let read = || -> Result<bool> {
-        let chunk = Chunks::read(bytes)?.one(Header::TAG)?;
+        let chunks = Chunks::read(bytes)?;
+        if chunks.first() == Some(ImageChunk::TAG) {
+            let chunk = chunks.one(ImageChunk::TAG)?;
+            return Ok(ImageChunk::read(chunk.reader())?.write() == chunk.payload);
+        }
+        let chunk = chunks.one(Header::TAG)?;
         Ok(Header::read(chunk.reader())?.write() == chunk.payload)
     };
     match read() {
@@ -148,6 +153,9 @@ fn surfaces_within(info: &Info, original: &Mesh, mesh: &Mesh, found: &mut Verifi
 
 /// Same connectivity, and no vertex moved farther than the bound.
 fn promises(info: &Info, original: &Mesh, mesh: &Mesh, found: &mut Verification, task: Task<'_>) -> Result<()> {
+    if info.method == "gim" {
+        return surface_promises(info, original, mesh, found, task);
+    }
     let correspondence = same(original, mesh, Some(info.bound), &task)?;
     let outcome = match correspondence.verdict {
         Verdict::Same => Ok("the same as that of the original".into()),
@@ -167,5 +175,28 @@ fn promises(info: &Info, original: &Mesh, mesh: &Mesh, found: &mut Verification,
             Err(format!("a vertex moved by {farthest:e}; the file promises {:e}", info.bound))
         },
     );
+    Ok(())
+}
+
+/// The psnr and the bound that a geometry image states, measured.
+fn surface_promises(info: &Info, original: &Mesh, mesh: &Mesh, found: &mut Verification, task: Task<'_>) -> Result<()> {
+    let measured = match compare(original, mesh, &CompareOptions::default().exact(info.bound.is_finite()), &task) {
+        Ok(measured) => measured,
+        Err(Error::Cancelled) => return Err(Error::Cancelled),
+        Err(error) => {
+            found.add("original", Err(error.to_string()));
+            return Ok(());
+        }
+    };
+    if let Some(psnr) = info.psnr {
+        let said = format!("{:.2} dB measured; the file promises {psnr:.2} dB", measured.psnr);
+        // Other machines may round the samples' places differently.
+        found.add("psnr", if measured.psnr >= psnr - 0.01 { Ok(said) } else { Err(said) });
+    }
+    if info.bound.is_finite() {
+        let seen = measured.certified.map_or(measured.hausdorff, |bounds| bounds.lower);
+        let said = format!("a distance of {seen:e} was found; the file promises {:e}", info.bound);
+        found.add("bound", if seen <= info.bound { Ok(said) } else { Err(said) });
+    }
     Ok(())
 }

@@ -93,6 +93,11 @@ impl<'a> Chunks<'a> {
         }
     }
 
+    /// The tag of the first chunk.
+    pub(crate) fn first(&self) -> Option<[u8; 4]> {
+        self.0.first().map(|chunk| chunk.tag)
+    }
+
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Chunk<'a>> {
         self.0.iter()
     }

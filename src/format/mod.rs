@@ -7,6 +7,7 @@ mod chunk;
 mod counts;
 mod fixes;
 mod header;
+mod image;
 mod labels;
 mod mbcim;
 mod planes;
@@ -17,9 +18,12 @@ mod surface;
 
 #[cfg(feature = "encode")]
 pub(crate) use chunk::ChunkWriter;
-pub(crate) use chunk::{Chunks, VERSION};
+pub(crate) use chunk::{Chunk, Chunks, VERSION};
 pub(crate) use fixes::FixesChunk;
 pub(crate) use header::{Extras, Header, LatticeForm, MAX_BITS, MAX_EXTENT};
+#[cfg(feature = "encode")]
+pub(crate) use image::{CoarseBox, short};
+pub(crate) use image::{ImageBody, ImageChunk, PlanesBy, vertices};
 pub(crate) use labels::LabelsChunk;
 pub(crate) use mbcim::MbcimChunk;
 pub(crate) use planes::{Borders, PlanesChunk};

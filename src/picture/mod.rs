@@ -1,5 +1,7 @@
-//! Pictures of what a file holds: the planes of an image of vertices, what resizing sees, and a shaded view of the mesh.
+//! Pictures of what a file holds: the planes of an image, what resizing sees, and a shaded view of the mesh.
 
+#[cfg(feature = "exr")]
+pub mod grid;
 pub mod resize;
 mod shade;
 mod vertex_image;

@@ -115,7 +115,7 @@ impl GeometryImage {
     pub(crate) fn representatives(&self) -> Vec<u32> {
         let width = self.width();
         let of = |p: usize| self.gluing.representative(self.shape, p / width, p % width);
-        (0..self.shape.pixels()).map(|p| of(p)).map(|(row, column)| (row * width + column) as u32).collect()
+        (0..self.shape.pixels()).map(of).map(|(row, column)| (row * width + column) as u32).collect()
     }
 
     /// Its triangles, as indices of representatives, row by row; O(samples).

@@ -20,7 +20,7 @@ pub(crate) use normal::{from_octahedral, octahedral};
 #[cfg(all(test, feature = "png"))]
 pub(crate) use png::read_rgb;
 #[cfg(feature = "png")]
-pub(crate) use png::{read_mask, write_png};
+pub(crate) use png::{read_mask, read_planes, write_png};
 pub use quantise::Lattice;
 pub(crate) use quantise::bounding_box;
 pub(crate) use side::{Block, RunCounts, Seam, SideInformation};
@@ -67,6 +67,11 @@ impl Shape {
     /// Samples of one plane.
     pub(crate) fn pixels(self) -> usize {
         self.width as usize * self.height as usize
+    }
+
+    /// The samples at every second column and row, from the first on.
+    pub(crate) fn halved(self) -> Self {
+        Self { width: self.width.div_ceil(2), height: self.height.div_ceil(2) }
     }
 
     /// The same image turned so that rows are columns.

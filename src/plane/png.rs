@@ -8,7 +8,7 @@ use std::io::Cursor;
 use image::codecs::png::{PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
 
-use super::{Mask, Planes, Shape};
+use super::{Mask, Plane, Planes, Shape};
 use crate::error::{Error, Place, Result};
 use crate::limits::Budget;
 
@@ -54,6 +54,21 @@ pub(crate) fn read_mask(png: &[u8], budget: &mut Budget) -> Result<Mask> {
     Mask::from_bits(shape, picture.pixels().map(|p| p.0[0] > 0 && p.0[1] > 0))
 }
 
+/// The pixels of a picture in colour, as three planes of 16 bits.
+pub(crate) fn read_planes(png: &[u8], budget: &mut Budget) -> Result<Planes> {
+    let malformed = |e: image::ImageError| Error::malformed(Place::Whole, format!("not a PNG picture: {e}"));
+    let mut decoder = PngDecoder::new(Cursor::new(png)).map_err(malformed)?;
+    let (width, height) = decoder.dimensions();
+    let shape = Shape::new(width, height)?;
+    budget.check_pixels(shape.pixels() as u64)?;
+    budget.reserve(decoder.total_bytes().saturating_add(shape.pixels() as u64 * 18))?;
+    budget.spend(shape.pixels() as u64 * 8)?;
+    decoder.set_limits(Limits::no_limits()).map_err(malformed)?;
+    let picture = DynamicImage::from_decoder(decoder).map_err(malformed)?.into_rgb16();
+    let plane = |i: usize| Plane::new(shape, 16, picture.pixels().map(|p| p.0[i].into()).collect());
+    Planes::new(vec![plane(0)?, plane(1)?, plane(2)?])
+}
+
 /// The pixels of a picture, for tests that look at one.
 #[cfg(test)]
 pub(crate) fn read_rgb(png: &[u8]) -> Vec<[u8; 3]> {
@@ -63,7 +78,6 @@ pub(crate) fn read_rgb(png: &[u8]) -> Vec<[u8; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Plane;
     use super::*;
 
     #[test]

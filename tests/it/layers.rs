@@ -50,6 +50,8 @@ const ROOMS: &[(&str, u32, Wing)] = &[
     ("options", 40, Both),
     ("images", 40, Both),
     ("extras", 40, Both),
+    ("charts", 40, Both),
+    ("judge", 38, Both),
     ("decode", 41, Both),
     ("encode", 42, Both),
     // 5, 6

@@ -8,6 +8,7 @@ mod conformance;
 mod corpus;
 mod determinism;
 mod images;
+mod grids;
 mod inspect;
 mod io;
 mod layers;

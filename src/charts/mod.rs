@@ -1,0 +1,194 @@
+//! The doors of geometry images: an image to a file, and back to a mesh.
+//!
+//! One of the few files that see both wings. On the way in: image → coefficients or planes → bytes, with a step that a search
+//! may choose. On the way out: bytes → image (of any of its levels) → vertices and triangles.
+
+#[cfg(all(feature = "png", feature = "exr"))]
+mod picture;
+#[cfg(feature = "encode")]
+mod sample;
+#[cfg(feature = "encode")]
+mod search;
+#[cfg(feature = "encode")]
+mod write;
+
+#[cfg(feature = "encode")]
+pub(crate) use sample::sample;
+#[cfg(feature = "encode")]
+pub(crate) use search::{Aim, search};
+#[cfg(feature = "encode")]
+pub(crate) use write::How;
+
+use crate::codec::j2k::J2k;
+use crate::codec::wavelet::{self, Layout};
+#[cfg(feature = "exr")]
+use crate::codec::Exr;
+use crate::codec::{PlaneCodec, Raw};
+use crate::error::{Error, Place, Result};
+use crate::format::{ImageBody, ImageChunk, PlanesBy};
+use crate::limits::Budget;
+use crate::mesh::{Mesh, Scalar};
+use crate::plane::{GeometryImage, Gluing, Lattice, Planes, Shape};
+use crate::task::Task;
+
+/// Bytes a sample that the mesh takes, and its codec of planes.
+const BYTES_A_SAMPLE: u64 = 160;
+const STEPS_A_SAMPLE: u64 = 40;
+
+/// The shape of the image that a chunk holds.
+fn shape(chunk: &ImageChunk<'_>) -> Result<Shape> {
+    let malformed = |e: Error| Error::malformed(Place::Whole, e.to_string());
+    let shape = Shape::new(chunk.columns, chunk.rows).map_err(malformed)?;
+    chunk.gluing.check(shape).map_err(malformed)?;
+    Ok(shape)
+}
+
+/// The layout of coefficients, if the codec has them.
+fn layout(chunk: &ImageChunk<'_>) -> Result<Option<Layout>> {
+    match chunk.body {
+        ImageBody::Wavelet { levels, step, .. } => {
+            let layout = Layout { shape: shape(chunk)?, gluing: chunk.gluing, levels, step: step.into() };
+            layout.check()?;
+            Ok(Some(layout))
+        }
+        ImageBody::Planes { .. } => Ok(None),
+    }
+}
+
+/// Columns and rows of the image after `level` halvings, as far as the file has levels.
+pub(crate) fn size_at(chunk: &ImageChunk<'_>, level: u8) -> Result<[u32; 2]> {
+    Ok(match layout(chunk)? {
+        Some(layout) => {
+            let shape = layout.shape_at(level.min(layout.levels));
+            [shape.width() as u32, shape.height() as u32]
+        }
+        None => {
+            shape(chunk)?;
+            [chunk.columns, chunk.rows]
+        }
+    })
+}
+
+/// Memory and steps that decoding an image and its mesh takes at most.
+pub(crate) fn cost(chunk: &ImageChunk<'_>, level: u8) -> Result<(u64, u64)> {
+    let [columns, rows] = size_at(chunk, level)?;
+    let pixels = u64::from(columns) * u64::from(rows);
+    let own = (pixels.saturating_mul(BYTES_A_SAMPLE), pixels.saturating_mul(STEPS_A_SAMPLE));
+    let (memory, work) = layout(chunk)?.map_or((0, 0), |layout| layout.cost(level));
+    Ok((own.0.saturating_add(memory), own.1.saturating_add(work)))
+}
+
+/// Reads an image; `level` 0 is all of it, each further one halves its sides.
+pub(crate) fn read(chunk: &ImageChunk<'_>, level: u8, budget: &mut Budget, task: Task<'_>) -> Result<GeometryImage> {
+    let [columns, rows] = size_at(chunk, level)?;
+    let pixels = u64::from(columns) * u64::from(rows);
+    budget.check_pixels(pixels)?;
+    budget.reserve(pixels.saturating_mul(BYTES_A_SAMPLE))?;
+    budget.spend(pixels.saturating_mul(STEPS_A_SAMPLE))?;
+    match (chunk.body, layout(chunk)?) {
+        (ImageBody::Wavelet { bounds, .. }, Some(layout)) => {
+            wavelet::decode(chunk.bytes, &layout, bounds.bounds(), level, budget, &task)
+        }
+        (ImageBody::Planes { codec, depth, lattice }, _) => {
+            let planes = plane_codec(codec)?.decode(chunk.bytes, shape(chunk)?, &[depth; 3], budget)?;
+            from_planes(&planes, chunk.gluing, &lattice).map_err(|e| Error::malformed(Place::Whole, e.to_string()))
+        }
+        (ImageBody::Wavelet { .. }, None) => Err(Error::malformed(Place::Whole, "an image without a layout")),
+    }
+}
+
+fn plane_codec(codec: PlanesBy) -> Result<Box<dyn PlaneCodec>> {
+    match codec {
+        PlanesBy::Raw => Ok(Box::new(Raw)),
+        #[cfg(feature = "exr")]
+        PlanesBy::Exr => Ok(Box::new(Exr)),
+        #[cfg(not(feature = "exr"))]
+        PlanesBy::Exr => Err(Error::Unsupported { what: "codec", id: "exr".into() }),
+        PlanesBy::J2k => Ok(Box::new(J2k::default())),
+    }
+}
+
+/// The name of the codec of an image.
+pub(crate) fn codec_name(body: &ImageBody) -> &'static str {
+    match body {
+        ImageBody::Wavelet { .. } => "wavelet",
+        ImageBody::Planes { codec: PlanesBy::Raw, .. } => "raw",
+        ImageBody::Planes { codec: PlanesBy::Exr, .. } => "exr",
+        ImageBody::Planes { codec: PlanesBy::J2k, .. } => "j2k",
+    }
+}
+
+/// Samples as points. Where samples are glued and a lossy codec made them differ, all take their mean.
+fn from_planes(planes: &Planes, gluing: Gluing, lattice: &Lattice) -> Result<GeometryImage> {
+    let shape = planes.shape();
+    let point = |at: usize| lattice.point([0, 1, 2].map(|i| i64::from(planes[i].samples()[at])));
+    let mut points: Vec<[f64; 3]> = (0..shape.pixels()).map(point).collect();
+    if gluing != Gluing::Open {
+        let width = shape.width();
+        let of = |at: usize| {
+            let (row, column) = gluing.representative(shape, at / width, at % width);
+            row * width + column
+        };
+        let mut sums = std::collections::BTreeMap::new();
+        for at in (0..points.len()).filter(|&at| of(at) != at) {
+            let (sum, count) = sums.entry(of(at)).or_insert((points[of(at)], 1.0));
+            (0..3).for_each(|i| sum[i] += points[at][i]);
+            *count += 1.0;
+        }
+        for (at, (sum, count)) in sums {
+            points[at] = sum.map(|x| x / count);
+        }
+    }
+    GeometryImage::new(shape.width(), shape.height(), gluing, points)
+}
+
+/// The mesh of an image: its samples as vertices, those that are glued as one.
+pub(crate) fn mesh(image: &GeometryImage, precision: Scalar) -> Result<Mesh> {
+    let representatives = image.representatives();
+    let mut number = vec![0_u32; representatives.len()];
+    let mut positions = Vec::new();
+    for (at, &of) in representatives.iter().enumerate() {
+        if of as usize == at {
+            number[at] = positions.len() as u32;
+            let point = image.points()[at];
+            positions.push(if precision == Scalar::F64 { point } else { point.map(|x| f64::from(x as f32)) });
+        }
+    }
+    if positions.iter().flatten().any(|x| !x.is_finite()) {
+        return Err(Error::malformed(Place::Whole, "a point beyond what 32-bit numbers hold"));
+    }
+    let triangles = image.triangles().into_iter().map(|t| t.map(|v| number[v as usize]));
+    let mut mesh = Mesh::from_triangles(positions, triangles);
+    mesh.precision = precision;
+    Ok(mesh)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::Plane;
+
+    #[test]
+    fn copies_that_a_lossy_codec_made_differ_take_their_mean() {
+        let shape = Shape::new(5, 5).unwrap();
+        let plane = |k: i32| Plane::new(shape, 8, (0..25).map(|p| (p * k) % 200).collect()).unwrap();
+        let planes = Planes::new(vec![plane(3), plane(7), plane(1)]).unwrap();
+        let lattice = Lattice { origin: [10.0; 3], step: 2.0 };
+        let image = from_planes(&planes, Gluing::Orbifold, &lattice).unwrap();
+        // The corners are samples 0, 4, 20 and 24; samples 5 and 15 of the first column are glued.
+        assert_eq!(image.point(0, 0)[2], 10.0 + 2.0 * 12.0);
+        assert_eq!(image.point(1, 0)[2], 10.0 + 2.0 * 10.0);
+        assert_eq!(image.point(3, 0), image.point(1, 0));
+        assert_eq!(image.point(1, 1)[2], 10.0 + 2.0 * 6.0);
+    }
+
+    #[test]
+    fn the_mesh_of_an_orbifold_has_a_vertex_for_every_point_and_no_more() {
+        let points = (0..9 * 7).map(|p| [f64::from(p), f64::from(p * p % 17), 0.5]).collect();
+        let image = GeometryImage::new(9, 7, Gluing::Orbifold, points).unwrap();
+        let mesh = mesh(&image, Scalar::F64).unwrap();
+        assert_eq!(mesh.positions.len() as u64, crate::format::vertices(9, 7, Gluing::Orbifold));
+        assert_eq!(mesh.faces.len(), 2 * 8 * 6);
+        assert!(crate::mesh::HalfEdges::new(mesh.positions.len(), mesh.faces.triangles()).is_ok());
+    }
+}

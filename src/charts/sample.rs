@@ -1,0 +1,133 @@
+//! A mesh to a geometry image and on to a file: how finely it is sampled, and where, for a target.
+//!
+//! The grid is the coarsest whose surface, before anything is rounded, is a few dB better than what is asked for: coarser ones
+//! cannot reach it, finer ones cost bytes. With [`Adjust::Rate`] samples then move to where they cost less, in turns with the
+//! search for the step, since what is cheap depends on the step.
+
+use super::mesh;
+use super::search::{Aim, Found, search};
+use super::write::How;
+use crate::codec::wavelet::shrink;
+use crate::error::{Error, Result};
+use crate::gim::{self, Atlas, Map};
+use crate::judge::FEW_SAMPLES;
+use crate::mesh::{HalfEdges, Mesh, Scalar};
+use crate::options::{Accuracy, Adjust, GimChoices, Grid, Param, Sampling};
+use crate::plane::GeometryImage;
+use crate::task::Task;
+
+/// Samples a side that [`Grid::Auto`] chooses among.
+const SIDES: [usize; 6] = [33, 65, 129, 257, 513, 1025];
+/// By so much, in dB, a surface that is not yet rounded should be better than the target.
+const HEADROOM: f64 = 6.5;
+/// A Hausdorff distance before rounding is to be this share of what is allowed.
+const ERROR_BEFORE: f64 = 0.6;
+/// Turns of moving samples and searching for the step.
+const TURNS: usize = 2;
+/// Rounds of moving in each.
+const ROUNDS: usize = 4;
+/// How much of their quantiser step tangential details give way in each round.
+const SHARE: f64 = 0.4;
+
+/// Samples a surface for a target and codes it.
+pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<'_>, task: Task<'_>) -> Result<Found> {
+    let triangles = original.faces.triangles();
+    let surface = HalfEdges::new(original.positions.len(), triangles)?;
+    let param = match choices.param {
+        Param::Tutte => crate::param::Param::Tutte,
+        Param::MeanValue => crate::param::Param::MeanValue,
+        Param::Yoshizawa => crate::param::Param::Yoshizawa,
+        Param::Stretch => crate::param::Param::Stretch,
+    };
+    let atlas = Atlas::new(&surface, &original.positions, param, &task)?;
+    let [map] = atlas.maps() else {
+        return Err(Error::Parameter(format!(
+            "a surface of {} charts, and a file holds one; `--method cgim` stores any mesh",
+            atlas.maps().len()
+        )));
+    };
+    task.step(0.3)?;
+    let sampling = match choices.sampling {
+        Sampling::Regular => gim::Sampling::Regular,
+        Sampling::Zhou => gim::Sampling::ZHOU,
+        Sampling::Equalise => gim::Sampling::Equalise,
+    };
+    let at = |side: usize| -> Result<GeometryImage> {
+        let image = map.sample(side, sampling, &task)?;
+        match choices.adjust {
+            Adjust::None => Ok(image),
+            Adjust::Fit | Adjust::Rate => map.adjust(image, gim::Adjust::Fit, &task),
+            Adjust::Hausdorff => map.adjust(image, gim::Adjust::Hausdorff, &task),
+        }
+    };
+    let image = match choices.grid {
+        Grid::Side(side) => at(side as usize)?,
+        Grid::Auto => choose(at, aim, how, task)?,
+    };
+    task.step(0.5)?;
+    let mut found = search(&image, how, aim, task)?;
+    if choices.adjust == Adjust::Rate {
+        let mut image = image;
+        for turn in 0..TURNS {
+            task.step(0.6 + 0.15 * turn as f64)?;
+            image = cheaper(map, image, found.step, task)?;
+            let other = search(&image, how, aim, task)?;
+            if aim.prefers(&other, &found)? {
+                found = other;
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The image with its samples where they cost less at a step.
+fn cheaper(map: &Map, image: GeometryImage, step: f64, task: Task<'_>) -> Result<GeometryImage> {
+    let shrink = |image: &GeometryImage| shrink(image, step, SHARE, &task);
+    map.adjust(image, gim::Adjust::Rate { shrink: &shrink, rounds: ROUNDS }, &task)
+}
+
+/// The coarsest image that is good enough for the target.
+fn choose(at: impl Fn(usize) -> Result<GeometryImage>, aim: &Aim<'_>, how: How, task: Task<'_>) -> Result<GeometryImage> {
+    let enough = |image: &GeometryImage| -> Result<bool> {
+        let found = aim.judge.measure(&mesh(image, Scalar::F64)?, Some(FEW_SAMPLES), task)?;
+        Ok(match aim.accuracy {
+            Accuracy::Error(bound) => found.hausdorff <= ERROR_BEFORE * bound,
+            Accuracy::RelativeError(share) => found.hausdorff <= ERROR_BEFORE * share * aim.judge.diagonal(),
+            _ => found.psnr >= wanted_psnr(aim) + HEADROOM,
+        })
+    };
+    let mut best: Option<(GeometryImage, Found)> = None;
+    let mut last = None;
+    for side in SIDES {
+        task.step(0.4)?;
+        let image = at(side)?;
+        if let Accuracy::Size(_) = aim.accuracy {
+            // The side at which so many bytes buy the best psnr.
+            let found = search(&image, how, aim, task);
+            let Ok(found) = found else { break };
+            match &best {
+                Some((_, other)) if !aim.prefers(&found, other)? => break,
+                _ => best = Some((image, found)),
+            }
+            continue;
+        }
+        let done = enough(&image)?;
+        last = Some(image);
+        if done {
+            break;
+        }
+    }
+    let chosen = best.map(|(image, _)| image).or(last);
+    chosen.ok_or_else(|| Error::Parameter("no grid fits so few bytes".into()))
+}
+
+/// The psnr that a target amounts to.
+fn wanted_psnr(aim: &Aim<'_>) -> f64 {
+    match aim.accuracy {
+        Accuracy::Psnr(psnr) => psnr,
+        // The surface is wrong by about a fifth of the step.
+        Accuracy::Step(step) => 20.0 * (5.0 * aim.judge.diagonal() / step).log10(),
+        Accuracy::Bits(bits) => 6.02 * f64::from(bits) + 14.0,
+        _ => 70.0,
+    }
+}

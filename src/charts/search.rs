@@ -1,0 +1,247 @@
+//! The step that meets a target: as large as a psnr or a bound on the error allows, or as small as a size allows.
+
+use super::write::{Coded, How};
+use crate::error::{Error, Result};
+use crate::judge::{FEW_SAMPLES, Judge};
+use crate::options::Accuracy;
+use crate::plane::GeometryImage;
+use crate::task::Task;
+
+/// What is aimed at, and against what.
+pub(crate) struct Aim<'a> {
+    pub(crate) accuracy: Accuracy,
+    pub(crate) judge: &'a Judge,
+    pub(crate) history: Option<&'a str>,
+    pub(crate) task: Task<'a>,
+}
+
+/// An image at the step that was found.
+pub(crate) struct Found {
+    pub(crate) coded: Coded,
+    pub(crate) step: f64,
+}
+
+impl Aim<'_> {
+    /// Whether one result is better than another that meets the same target.
+    pub(crate) fn prefers(&self, new: &Found, old: &Found) -> Result<bool> {
+        let psnr = |found: &Found| -> Result<f64> {
+            Ok(self.judge.measure(&found.coded.mesh()?, Some(FEW_SAMPLES), self.task)?.psnr)
+        };
+        match self.accuracy {
+            Accuracy::Size(_) => Ok(psnr(new)? > psnr(old)?),
+            // Nothing else is asked for than fewer bytes.
+            _ => Ok(new.coded.size(self.history) < old.coded.size(self.history)),
+        }
+    }
+
+    /// The file of what was found, with its measures by many samples.
+    pub(crate) fn file(&self, found: &Found) -> Result<Vec<u8>> {
+        self.task.step(0.9)?;
+        let decoded = found.coded.mesh()?;
+        let measured = self.judge.measure(&decoded, None, self.task)?;
+        let bound = self.judge.bound(&decoded, measured.hausdorff, self.task)?;
+        Ok(found.coded.file(Some(measured.psnr), Some(bound), self.history))
+    }
+}
+
+/// Trials of a search.
+const TRIALS: usize = 14;
+/// Steps this near to each other are the same to a file.
+const NEAR: f64 = 1.006;
+/// A psnr this much above the target is near enough, in dB.
+const SLACK: f64 = 0.02;
+/// This near to the target a psnr by few samples is not enough, in dB.
+const UNSURE: f64 = 0.2;
+/// Of the bytes that are allowed, this share may stay unused.
+const UNUSED: f64 = 0.995;
+
+/// What a trial says of its step.
+enum Verdict {
+    /// Larger steps may do too; how much larger, by the measure's own rule of thumb.
+    Fine(f64),
+    /// Only smaller ones will do.
+    Bad(f64),
+    /// As good as it gets.
+    Done,
+}
+
+/// Codes an image as the aim asks for.
+pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, task: Task<'_>) -> Result<Found> {
+    let Aim { accuracy, judge, history, .. } = *aim;
+    let diagonal = judge.diagonal();
+    let few = |coded: &Coded| judge.measure(&coded.mesh()?, Some(FEW_SAMPLES), task);
+    let longest = longest_side(image);
+    let (coded, step) = match accuracy {
+        Accuracy::Step(step) => (how.code(image, step, task)?, step),
+        Accuracy::Bits(bits) => {
+            let step = longest.max(f64::MIN_POSITIVE) / f64::from((1_u32 << bits) - 1);
+            (how.code(image, step, task)?, step)
+        }
+        Accuracy::Psnr(target) => {
+            let judged = |coded: &Coded| {
+                let decoded = coded.mesh()?;
+                let mut found = judge.measure(&decoded, Some(FEW_SAMPLES), task)?.psnr;
+                if (found - target).abs() < UNSURE {
+                    found = judge.measure(&decoded, None, task)?.psnr;
+                }
+                let more = 10_f64.powf((found - target) / 20.0);
+                Ok(match found {
+                    p if p < target => Verdict::Bad(more),
+                    p if p < target + SLACK => Verdict::Done,
+                    _ => Verdict::Fine(more),
+                })
+            };
+            // A sample moves in three directions, and the surface feels one of them.
+            let start = 4.0 * diagonal / 10_f64.powf(target / 20.0);
+            bisect(start, |step| how.code(image, step, task), judged, task)?.ok_or_else(|| {
+                Error::Parameter(format!("a psnr of {target} dB cannot be reached with an image of {}: take a larger grid", image.shape()))
+            })?
+        }
+        Accuracy::Size(bytes) => {
+            let judged = |coded: &Coded| {
+                let size = coded.size(history);
+                let share = size as f64 / bytes as f64;
+                // Twice the step is about a third of the bytes less.
+                let more = share.powf(1.7);
+                Ok(match share {
+                    s if s > 1.0 => Verdict::Fine(more),
+                    s if s > UNUSED => Verdict::Done,
+                    _ => Verdict::Bad(more),
+                })
+            };
+            smallest(longest.max(1e-300) / 500.0, bytes, |step| how.code(image, step, task), judged, task)?
+        }
+        Accuracy::Error(_) | Accuracy::RelativeError(_) => {
+            let bound = match accuracy {
+                Accuracy::Error(bound) => bound,
+                Accuracy::RelativeError(share) => share * diagonal,
+                _ => 0.0,
+            };
+            let judged = |coded: &Coded| {
+                let seen = few(coded)?.hausdorff;
+                if seen > bound {
+                    return Ok(Verdict::Bad(bound / seen));
+                }
+                let certain = judge.bound(&coded.mesh()?, seen, task)?;
+                Ok(match certain / bound {
+                    s if s > 1.0 => Verdict::Bad(1.0 / s),
+                    s if s > 0.99 => Verdict::Done,
+                    s => Verdict::Fine(1.0 / s),
+                })
+            };
+            bisect(bound, |step| how.code(image, step, task), judged, task)?.ok_or_else(|| {
+                Error::Parameter(format!(
+                    "an error of {bound} cannot be held with an image of {} samples: take a larger grid",
+                    image.shape()
+                ))
+            })?
+        }
+        Accuracy::Lattice(_) => {
+            return Err(Error::Parameter("a lattice is for exact connectivity; a geometry image takes a step".into()));
+        }
+    };
+    Ok(Found { coded, step })
+}
+
+fn longest_side(image: &GeometryImage) -> f64 {
+    let bounds = crate::plane::bounding_box(image.points().iter().copied()).unwrap_or([[0.0; 3]; 2]);
+    (0..3).map(|i| bounds[1][i] - bounds[0][i]).fold(0.0, f64::max)
+}
+
+/// The largest step found that is fine.
+fn bisect(
+    start: f64,
+    code: impl Fn(f64) -> Result<Coded>,
+    aim: impl Fn(&Coded) -> Result<Verdict>,
+    task: Task<'_>,
+) -> Result<Option<(Coded, f64)>> {
+    let (mut step, mut fine, mut bad) = (start, 0.0_f64, f64::INFINITY);
+    let mut best = None;
+    for trial in 0..TRIALS {
+        if task.is_over() {
+            return Err(Error::Cancelled);
+        }
+        let coded = match code(step) {
+            Ok(coded) => coded,
+            // Beyond what the codec can hold: the image is as good as it can be.
+            Err(Error::Parameter(_)) if best.is_none() && bad.is_finite() => break,
+            Err(error) => return Err(error),
+        };
+        let factor = match aim(&coded)? {
+            Verdict::Done => return Ok(Some((coded, step))),
+            Verdict::Fine(factor) => {
+                fine = step;
+                best = Some((coded, step));
+                factor
+            }
+            Verdict::Bad(factor) => {
+                bad = step;
+                // So far below the target that the grid is to blame: smaller steps bring nothing more.
+                if best.is_none() && trial >= TRIALS / 2 {
+                    break;
+                }
+                factor
+            }
+        };
+        if bad / fine < NEAR {
+            break;
+        }
+        step = next(step, factor, fine, bad);
+    }
+    Ok(best)
+}
+
+/// The step after one that was off by a factor: there, but strictly between what is known.
+fn next(step: f64, factor: f64, fine: f64, bad: f64) -> f64 {
+    let guess = step * factor.clamp(1.0 / 16.0, 16.0);
+    match (fine > 0.0, bad.is_finite()) {
+        (true, true) => {
+            let (low, high) = (fine * (bad / fine).powf(0.1), bad * (fine / bad).powf(0.1));
+            if (low..=high).contains(&guess) { guess } else { (fine * bad).sqrt() }
+        }
+        // Nothing that is fine is known yet: a little further down than the rule says.
+        (false, _) => guess.min(step / 1.02),
+        (true, false) => guess.max(step * 1.02),
+    }
+}
+
+/// The smallest step found whose file is small enough.
+fn smallest(
+    start: f64,
+    bytes: u64,
+    code: impl Fn(f64) -> Result<Coded>,
+    aim: impl Fn(&Coded) -> Result<Verdict>,
+    task: Task<'_>,
+) -> Result<(Coded, f64)> {
+    // Seen from the size, steps that are too small are "fine" (larger ones may do) and those that fit are "bad".
+    let (mut step, mut too_small, mut fits) = (start, 0.0_f64, f64::INFINITY);
+    let (mut best, mut least): (Option<(Coded, f64)>, u64) = (None, u64::MAX);
+    for _ in 0..TRIALS {
+        if task.is_over() {
+            return Err(Error::Cancelled);
+        }
+        let coded = match code(step) {
+            Ok(coded) => coded,
+            Err(Error::Parameter(_)) if best.is_some() => break,
+            Err(error) => return Err(error),
+        };
+        least = least.min(coded.size(None));
+        let factor = match aim(&coded)? {
+            Verdict::Done => return Ok((coded, step)),
+            Verdict::Fine(factor) => {
+                too_small = step;
+                factor
+            }
+            Verdict::Bad(factor) => {
+                fits = step;
+                best = Some((coded, step));
+                factor
+            }
+        };
+        if fits / too_small < NEAR {
+            break;
+        }
+        step = next(step, factor, too_small, fits);
+    }
+    best.ok_or_else(|| Error::Parameter(format!("{bytes} bytes are too few: the smallest file found has {least}")))
+}

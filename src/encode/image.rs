@@ -1,0 +1,60 @@
+//! Geometry images: the method `gim`.
+
+use super::{Encoded, notes};
+use crate::charts;
+use crate::decode::Decoder;
+use crate::error::{Error, MeshDefect, Result};
+use crate::judge::Judge;
+use crate::mesh::{Mesh, Scalar};
+use crate::options::{EncodeOptions, Method};
+use crate::plane::GeometryImage;
+use crate::task::Task;
+
+impl EncodeOptions {
+    /// Samples a mesh as a geometry image and encodes that.
+    pub(super) fn encode_as_image(&self, mesh: &Mesh, task: Task<'_>) -> Result<Encoded> {
+        if mesh.faces.is_empty() {
+            return Err(MeshDefect::Empty.into());
+        }
+        let judge = Judge::new(mesh)?;
+        let how = charts::How { codec: self.codec, precision: mesh.precision };
+        let aim = self.aim(&judge, task);
+        let found = charts::sample(mesh, how, &self.gim, &aim, task)?;
+        Self::encoded(aim.file(&found)?, notes(mesh, false))
+    }
+
+    /// Encodes a geometry image that was made elsewhere, with the method `gim`.
+    ///
+    /// Errors are measured against `original`, or against the surface of the image itself where there is none.
+    ///
+    /// # Errors
+    /// Options that contradict each other, or a target that cannot be reached; [`Error::Cancelled`].
+    pub fn encode_image(&self, image: &GeometryImage, original: Option<&Mesh>, task: Task<'_>) -> Result<Encoded> {
+        self.check()?;
+        if self.method != Method::Gim {
+            return Err(Error::Parameter("a geometry image is encoded with the method gim".into()));
+        }
+        task.step(0.0)?;
+        let precision = original.map_or(Scalar::F32, |mesh| mesh.precision);
+        let judge = match original {
+            Some(mesh) => {
+                mesh.check()?;
+                Judge::new(mesh)?
+            }
+            None => Judge::new(&charts::mesh(image, Scalar::F64)?)?,
+        };
+        let how = charts::How { codec: self.codec, precision };
+        let aim = self.aim(&judge, task);
+        let found = charts::search(image, how, &aim, task)?;
+        Self::encoded(aim.file(&found)?, original.map_or(Vec::new(), |mesh| notes(mesh, false)))
+    }
+
+    fn aim<'a>(&'a self, judge: &'a Judge, task: Task<'a>) -> charts::Aim<'a> {
+        charts::Aim { accuracy: self.accuracy, judge, history: self.gim.history.as_deref(), task }
+    }
+
+    fn encoded(bytes: Vec<u8>, notes: Vec<String>) -> Result<Encoded> {
+        let info = Decoder::new(&bytes)?.info().clone();
+        Ok(Encoded { info, bytes, notes })
+    }
+}

@@ -1,0 +1,326 @@
+//! Chunk `GIMG`: a geometry image, with all that is known of it before it is decoded (spec/format.md, "GIMG").
+
+use crate::bits::Reader;
+#[cfg(feature = "encode")]
+use crate::bits::Writer;
+use crate::error::Result;
+use crate::plane::{Gluing, Lattice, MAX_DEPTH};
+
+/// A geometry image: the first chunk of its file, which needs no other.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ImageChunk<'a> {
+    pub(crate) gluing: Gluing,
+    /// Whether decoded positions are `f64` and not `f32`.
+    pub(crate) double: bool,
+    pub(crate) columns: u32,
+    pub(crate) rows: u32,
+    pub(crate) body: ImageBody,
+    /// The psnr of the whole image against its original, in hundredths of a dB, rounded down.
+    pub(crate) psnr: Option<u16>,
+    /// No point of either surface is farther than this from the other, in the units of the mesh.
+    pub(crate) bound: Option<f32>,
+    /// The image, as its codec has it.
+    pub(crate) bytes: &'a [u8],
+}
+
+/// What a codec needs beside its bytes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum ImageBody {
+    /// Coefficients.
+    Wavelet { levels: u8, step: f32, bounds: CoarseBox },
+    /// Three planes of samples on a lattice.
+    Planes { codec: PlanesBy, depth: u8, lattice: Lattice },
+}
+
+/// Codecs of planes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PlanesBy {
+    Raw,
+    Exr,
+    J2k,
+}
+
+/// A box in steps of 2^exponent: all points lie in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CoarseBox {
+    pub(crate) exponent: i64,
+    pub(crate) low: [i64; 3],
+    pub(crate) extent: [u64; 3],
+}
+
+/// Exponents of boxes: what `f32` has, and a little more.
+const EXPONENTS: std::ops::RangeInclusive<i64> = -160..=130;
+/// Coordinates of boxes.
+const FARTHEST: u64 = 1 << 50;
+/// The longest side of a box that is written has at most so many steps.
+#[cfg(feature = "encode")]
+const FINENESS: f64 = 32.0;
+
+impl CoarseBox {
+    fn unit(exponent: i64) -> f64 {
+        f64::from_bits(((exponent.clamp(-1000, 1000) + 1023) as u64) << 52)
+    }
+
+    /// The corners.
+    pub(crate) fn bounds(&self) -> [[f64; 3]; 2] {
+        let unit = Self::unit(self.exponent);
+        let low = self.low.map(|x| x as f64 * unit);
+        [low, [0, 1, 2].map(|i| low[i] + self.extent[i] as f64 * unit)]
+    }
+
+    /// The box around one that is given exactly. `finest` is a length below which nothing matters.
+    #[cfg(feature = "encode")]
+    pub(crate) fn around([low, high]: [[f64; 3]; 2], finest: f64) -> Self {
+        let longest = (0..3).map(|i| high[i] - low[i]).fold(finest, f64::max);
+        let far = low.iter().chain(&high).fold(0.0, |far: f64, x| far.max(x.abs()));
+        let fits = |&e: &i64| FINENESS * Self::unit(e) >= longest && far / Self::unit(e) < (FARTHEST / 2) as f64;
+        let exponent = EXPONENTS.into_iter().find(fits).unwrap_or(*EXPONENTS.end());
+        let unit = Self::unit(exponent);
+        let low = low.map(|x| (x / unit).floor() as i64);
+        let high = high.map(|x| (x / unit).ceil() as i64);
+        Self { exponent, low, extent: [0, 1, 2].map(|i| high[i].abs_diff(low[i])) }
+    }
+
+    #[cfg(feature = "encode")]
+    fn write(&self, w: &mut Writer) {
+        w.signed(self.exponent);
+        self.low.into_iter().for_each(|x| w.signed(x));
+        self.extent.into_iter().for_each(|x| w.varint(x));
+    }
+
+    fn read(r: &mut Reader<'_>) -> Result<Self> {
+        let exponent = r.signed("the unit of the box")?;
+        if !EXPONENTS.contains(&exponent) {
+            return Err(r.error(format!("a box in steps of 2^{exponent}, {EXPONENTS:?} expected")));
+        }
+        let (mut low, mut extent) = ([0; 3], [0; 3]);
+        for x in &mut low {
+            *x = r.signed("the box")?;
+        }
+        for x in &mut extent {
+            *x = r.varint("the box")?;
+        }
+        if low.iter().any(|x| x.unsigned_abs() > FARTHEST) || extent.iter().any(|&x| x > FARTHEST) {
+            return Err(r.error(format!("a box of {low:?} and {extent:?} steps, at most {FARTHEST} expected")));
+        }
+        Ok(Self { exponent, low, extent })
+    }
+}
+
+const GLUING: u8 = 3;
+const DOUBLE: u8 = 1 << 2;
+const NOT_SQUARE: u8 = 1 << 3;
+const PSNR: u8 = 1 << 4;
+const BOUND: u8 = 1 << 5;
+
+/// Numbers of 16 bits: the upper half of an `f32`.
+#[cfg(feature = "encode")]
+pub(crate) fn short(x: f64, up: bool) -> f32 {
+    let x32 = x as f32;
+    let below = f32::from_bits(x32.to_bits() & 0xffff_0000);
+    let shorter = |x: f32| f32::from_bits((x.to_bits() >> 16).saturating_add(1) << 16);
+    match up {
+        true if f64::from(below) < x => shorter(below),
+        false if f64::from(below) > x && below > 0.0 => f32::from_bits(((below.to_bits() >> 16) - 1) << 16),
+        _ => below,
+    }
+}
+
+impl<'a> ImageChunk<'a> {
+    pub(crate) const TAG: [u8; 4] = *b"GIMG";
+    /// How an image came about, in the words of its makers; ancillary.
+    pub(crate) const HISTORY: [u8; 4] = *b"hist";
+
+    /// Vertices of the mesh at full size.
+    pub(crate) fn vertices(&self) -> u64 {
+        vertices(self.columns, self.rows, self.gluing)
+    }
+
+    /// Triangles of the mesh at full size.
+    pub(crate) fn faces(&self) -> u64 {
+        2 * u64::from(self.columns.saturating_sub(1)) * u64::from(self.rows.saturating_sub(1))
+    }
+
+    #[cfg(feature = "encode")]
+    pub(crate) fn write(&self) -> Vec<u8> {
+        let mut w = Writer::default();
+        w.u8(match self.body {
+            ImageBody::Wavelet { .. } => 0,
+            ImageBody::Planes { codec, .. } => 1 + codec as u8,
+        });
+        let gluing = if self.gluing == Gluing::Orbifold { 1 } else { 0 };
+        let flag = |set: bool, flag: u8| if set { flag } else { 0 };
+        let square = self.columns == self.rows;
+        w.u8(gluing
+            | flag(self.double, DOUBLE)
+            | flag(!square, NOT_SQUARE)
+            | flag(self.psnr.is_some(), PSNR)
+            | flag(self.bound.is_some(), BOUND));
+        w.varint(self.columns.into());
+        if !square {
+            w.varint(self.rows.into());
+        }
+        let upper_half = |x: f32| ((x.to_bits() >> 16) as u16).to_le_bytes();
+        match self.body {
+            ImageBody::Wavelet { levels, step, bounds } => {
+                w.u8(levels);
+                w.bytes(&upper_half(step));
+                bounds.write(&mut w);
+            }
+            ImageBody::Planes { depth, lattice, .. } => {
+                w.u8(depth);
+                lattice.origin.into_iter().chain([lattice.step]).for_each(|x| w.f64(x));
+            }
+        }
+        if let Some(psnr) = self.psnr {
+            w.bytes(&psnr.to_le_bytes());
+        }
+        if let Some(bound) = self.bound {
+            w.bytes(&upper_half(bound));
+        }
+        w.bytes(self.bytes);
+        w.into_bytes()
+    }
+
+    pub(crate) fn read(mut r: Reader<'a>) -> Result<Self> {
+        let codec = r.u8("the codec")?;
+        let flags = r.u8("the flags")?;
+        let gluing = match flags & GLUING {
+            0 => Gluing::Open,
+            1 => Gluing::Orbifold,
+            other => return Err(crate::Error::Unsupported { what: "gluing", id: other.to_string() }),
+        };
+        if flags >= BOUND << 1 {
+            return Err(r.error(format!("flags of {flags:#04x}, below 0x40 expected")));
+        }
+        let mut side = |what| {
+            let n = r.varint(what)?;
+            u32::try_from(n).map_err(|_| r.error(format!("{what} do not fit 32 bits: {n}")))
+        };
+        let columns = side("the columns")?;
+        let rows = if flags & NOT_SQUARE == 0 { columns } else { side("the rows")? };
+        if flags & NOT_SQUARE != 0 && rows == columns {
+            return Err(r.error("a square that is said not to be one"));
+        }
+        let body = match codec {
+            0 => {
+                let levels = r.u8("the levels")?;
+                let step = upper_half(&mut r, "the step")?;
+                if !(step > 0.0 && step.is_finite()) {
+                    return Err(r.error(format!("a step of {step}")));
+                }
+                ImageBody::Wavelet { levels, step, bounds: CoarseBox::read(&mut r)? }
+            }
+            1..=3 => {
+                let depth = r.u8("the depth")?;
+                if !(1..=MAX_DEPTH).contains(&depth) {
+                    return Err(r.error(format!("samples of {depth} bits, 1 to {MAX_DEPTH} expected")));
+                }
+                let mut number = |what| r.f64(what);
+                let origin = [number("the origin")?, number("the origin")?, number("the origin")?];
+                let lattice = Lattice { origin, step: number("the step")? };
+                let highest = lattice.point([1 << depth; 3]);
+                if lattice.step <= 0.0 || origin.iter().chain(&highest).any(|x| !x.is_finite()) {
+                    return Err(r.error("a lattice whose points are not finite numbers"));
+                }
+                let codec = [PlanesBy::Raw, PlanesBy::Exr, PlanesBy::J2k][usize::from(codec) - 1];
+                ImageBody::Planes { codec, depth, lattice }
+            }
+            other => return Err(crate::Error::Unsupported { what: "codec of geometry images", id: other.to_string() }),
+        };
+        let psnr = if flags & PSNR == 0 {
+            None
+        } else {
+            let bytes = r.take(2, "the psnr")?;
+            Some(u16::from_le_bytes([bytes[0], bytes[1]]))
+        };
+        let bound = if flags & BOUND == 0 { None } else { Some(upper_half(&mut r, "the bound")?) };
+        if let Some(bound) = bound.filter(|b| !(*b >= 0.0 && b.is_finite())) {
+            return Err(r.error(format!("a bound of {bound}")));
+        }
+        let double = flags & DOUBLE != 0;
+        let chunk = Self { gluing, double, columns, rows, body, psnr, bound, bytes: r.rest() };
+        if chunk.vertices() > u64::from(u32::MAX) || chunk.faces() > u64::from(u32::MAX) {
+            return Err(r.error(format!("an image of {columns} x {rows} samples has more vertices or faces than 32 bits count")));
+        }
+        Ok(chunk)
+    }
+}
+
+/// How many samples are not glued to an earlier one.
+pub(crate) fn vertices(columns: u32, rows: u32, gluing: Gluing) -> u64 {
+    let (columns, rows) = (u64::from(columns), u64::from(rows));
+    match gluing {
+        Gluing::Orbifold => columns.saturating_sub(1).saturating_mul(rows.saturating_sub(1)).saturating_add(2),
+        _ => columns.saturating_mul(rows),
+    }
+}
+
+fn upper_half(r: &mut Reader<'_>, what: &str) -> Result<f32> {
+    let bytes = r.take(2, what)?;
+    Ok(f32::from_bits(u32::from(u16::from_le_bytes([bytes[0], bytes[1]])) << 16))
+}
+
+#[cfg(all(test, feature = "encode"))]
+mod tests {
+    use super::*;
+
+    fn chunks() -> Vec<ImageChunk<'static>> {
+        let bounds = CoarseBox::around([[-1.0, 0.2, 5e5], [1.5, 0.9, 5e5 + 3.0]], 1e-3);
+        let wavelet = ImageBody::Wavelet { levels: 5, step: short(0.0123, false), bounds };
+        let lattice = Lattice { origin: [0.1, -7.0, 1e6], step: 0.25 };
+        let planes = |codec| ImageBody::Planes { codec, depth: 16, lattice };
+        let chunk = |gluing, columns, rows, body, psnr, bound| ImageChunk {
+            gluing,
+            double: columns == 5,
+            columns,
+            rows,
+            body,
+            psnr,
+            bound,
+            bytes: b"body",
+        };
+        vec![
+            chunk(Gluing::Orbifold, 257, 257, wavelet, Some(7012), Some(short(0.3, true))),
+            chunk(Gluing::Open, 100, 37, wavelet, None, None),
+            chunk(Gluing::Open, 5, 5, planes(PlanesBy::Raw), Some(1), None),
+            chunk(Gluing::Orbifold, 5, 7, planes(PlanesBy::J2k), None, Some(0.0)),
+            chunk(Gluing::Open, 5, 7, planes(PlanesBy::Exr), None, None),
+        ]
+    }
+
+    #[test]
+    fn what_is_written_is_read_back_and_every_cut_is_refused() {
+        for chunk in chunks() {
+            let bytes = chunk.write();
+            assert_eq!(ImageChunk::read(Reader::new(&bytes, ImageChunk::TAG)).unwrap(), chunk);
+            for end in 0..bytes.len() - chunk.bytes.len() {
+                assert!(ImageChunk::read(Reader::new(&bytes[..end], ImageChunk::TAG)).is_err(), "cut at {end}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_coarse_box_holds_the_exact_one_and_is_little_larger() {
+        for (low, high, finest) in [
+            ([-1.0, 0.2, 5e5], [1.5, 0.9, 5e5 + 3.0], 1e-3),
+            ([0.0; 3], [0.0; 3], 1e-6),
+            ([1e-30; 3], [2e-30; 3], 1e-34),
+            ([-3e37; 3], [2e38; 3], 1e30),
+            ([1e12, 0.0, 0.0], [1e12 + 1.0, 0.0, 0.0], 1e-3),
+        ] {
+            let [l, h] = CoarseBox::around([low, high], finest).bounds();
+            let longest = (0..3).map(|i| high[i] - low[i]).fold(finest, f64::max);
+            assert!((0..3).all(|i| l[i] <= low[i] && h[i] >= high[i]), "{low:?} {high:?}");
+            assert!((0..3).all(|i| low[i] - l[i] <= longest / 8.0 && h[i] - high[i] <= longest / 8.0), "{low:?} {high:?}");
+        }
+    }
+
+    #[test]
+    fn short_numbers_lie_on_the_wanted_side() {
+        for x in [1.0, 0.1, 1.0 / 3.0, 12345.678, 1e-30, 3e38, 1.007_812_5] {
+            let (down, up) = (f64::from(short(x, false)), f64::from(short(x, true)));
+            assert!(down <= x && x <= up && up - down <= x / 128.0, "{x}: {down} and {up}");
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! How far a decoded surface is from its original: what encoders that search ask again and again.
+//!
+//! The measures are those of `eval`, by the same samples; the original's tree is built once.
+
+use crate::distance::{Frame, SampleOptions, Surface, certify, sample};
+use crate::error::{Error, MeshDefect, Result};
+use crate::geom::Aabb;
+use crate::mesh::Mesh;
+use crate::task::Task;
+
+/// A surface that others are compared with.
+pub(crate) struct Judge {
+    frame: Frame,
+    original: Surface,
+    diagonal: f64,
+}
+
+/// What was found.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Measured {
+    /// As `eval::Comparison::psnr`.
+    pub(crate) psnr: f64,
+    /// The greatest distance seen.
+    pub(crate) hausdorff: f64,
+}
+
+/// Samples on each surface that `eval::compare` takes at least, and for each triangle.
+const SAMPLES: usize = 200_000;
+const SAMPLES_A_TRIANGLE: usize = 10;
+/// What a search takes: psnr by these is right to some hundredths of a dB.
+pub(crate) const FEW_SAMPLES: usize = 60_000;
+/// The seed of `eval::CompareOptions`.
+const SEED: u64 = 1;
+/// Where the formula would say infinity.
+const PSNR_OF_EQUALS: f64 = 999.0;
+
+impl Judge {
+    pub(crate) fn new(original: &Mesh) -> Result<Self> {
+        let around = Aabb::of(original.positions.iter().filter(|p| p.iter().all(|x| x.is_finite())).map(|&p| p.into()));
+        let frame = Frame::around(around, around);
+        let surface = Surface::new(frame, &original.positions, &original.faces.triangles());
+        if surface.is_empty() {
+            return Err(MeshDefect::Empty.into());
+        }
+        Ok(Self { frame, original: surface, diagonal: around.size().length() })
+    }
+
+    /// The diagonal of the original's box.
+    pub(crate) fn diagonal(&self) -> f64 {
+        self.diagonal
+    }
+
+    /// Measures a decoded mesh by `few` samples, or by as many as `eval::compare`.
+    pub(crate) fn measure(&self, decoded: &Mesh, few: Option<usize>, task: Task<'_>) -> Result<Measured> {
+        let decoded = self.surface(decoded)?;
+        let sampled = |from: &Surface, to: &Surface| {
+            let samples = few.unwrap_or_else(|| SAMPLES.max(SAMPLES_A_TRIANGLE * from.triangles().len()));
+            sample(from, to, SampleOptions { samples, seed: SEED }, &task)
+        };
+        let (there, back) = (sampled(&self.original, &decoded)?, sampled(&decoded, &self.original)?);
+        let rms = ((there.sum2 + back.sum2) / (there.samples + back.samples) as f64).sqrt();
+        let rms = self.frame.length_outside(rms);
+        let psnr = if rms <= self.diagonal * 1e-15 { PSNR_OF_EQUALS } else { 20.0 * (self.diagonal / rms).log10() };
+        Ok(Measured { psnr, hausdorff: self.frame.length_outside(there.max.max(back.max)) })
+    }
+
+    /// A distance beyond which no point of either surface is from the other; `seen` is one that was measured.
+    pub(crate) fn bound(&self, decoded: &Mesh, seen: f64, task: Task<'_>) -> Result<f64> {
+        let decoded = self.surface(decoded)?;
+        let seen = seen / self.frame.length_outside(1.0);
+        let there = certify(&self.original, &decoded, seen, &task)?;
+        let back = certify(&decoded, &self.original, there.lower, &task)?;
+        Ok(self.frame.length_outside(there.upper.max(back.upper)))
+    }
+
+    fn surface(&self, mesh: &Mesh) -> Result<Surface> {
+        let surface = Surface::new(self.frame, &mesh.positions, &mesh.faces.triangles());
+        if surface.is_empty() { Err(Error::Mesh(MeshDefect::Empty)) } else { Ok(surface) }
+    }
+}
