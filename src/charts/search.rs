@@ -45,7 +45,7 @@ impl Aim<'_> {
 }
 
 /// Trials of a search.
-const TRIALS: usize = 14;
+const TRIALS: i32 = 14;
 /// Steps this near to each other are the same to a file.
 const NEAR: f64 = 1.006;
 /// A psnr this much above the target is near enough, in dB.
@@ -176,32 +176,29 @@ fn bisect(
             }
             Verdict::Bad(factor) => {
                 bad = step;
-                // So far below the target that the grid is to blame: smaller steps bring nothing more.
-                if best.is_none() && trial >= TRIALS / 2 {
-                    break;
-                }
                 factor
             }
         };
         if bad / fine < NEAR {
             break;
         }
-        step = next(step, factor, fine, bad);
+        step = next(step, factor, fine, bad, trial);
     }
     Ok(best)
 }
 
 /// The step after one that was off by a factor: there, but strictly between what is known.
-fn next(step: f64, factor: f64, fine: f64, bad: f64) -> f64 {
+fn next(step: f64, factor: f64, fine: f64, bad: f64, trial: i32) -> f64 {
     let guess = step * factor.clamp(1.0 / 16.0, 16.0);
+    // As long as only one end is known, the rule of thumb is helped along more and more.
+    let more = 1.02_f64.powi(1 << trial.min(7)).min(16.0);
     match (fine > 0.0, bad.is_finite()) {
         (true, true) => {
             let (low, high) = (fine * (bad / fine).powf(0.1), bad * (fine / bad).powf(0.1));
             if (low..=high).contains(&guess) { guess } else { (fine * bad).sqrt() }
         }
-        // Nothing that is fine is known yet: a little further down than the rule says.
-        (false, _) => guess.min(step / 1.02),
-        (true, false) => guess.max(step * 1.02),
+        (false, _) => guess.min(step / more),
+        (true, false) => guess.max(step * more),
     }
 }
 
@@ -216,7 +213,7 @@ fn smallest(
     // Seen from the size, steps that are too small are "fine" (larger ones may do) and those that fit are "bad".
     let (mut step, mut too_small, mut fits) = (start, 0.0_f64, f64::INFINITY);
     let (mut best, mut least): (Option<(Coded, f64)>, u64) = (None, u64::MAX);
-    for _ in 0..TRIALS {
+    for trial in 0..TRIALS {
         if task.is_over() {
             return Err(Error::Cancelled);
         }
@@ -241,7 +238,7 @@ fn smallest(
         if fits / too_small < NEAR {
             break;
         }
-        step = next(step, factor, too_small, fits);
+        step = next(step, factor, too_small, fits, trial);
     }
     best.ok_or_else(|| Error::Parameter(format!("{bytes} bytes are too few: the smallest file found has {least}")))
 }

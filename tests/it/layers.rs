@@ -47,7 +47,7 @@ const ROOMS: &[(&str, u32, Wing)] = &[
     ("format", 30, Byte),
     ("surface", 30, Both),
     // 4: the doors; the options and what both doors say lie a step below the doors themselves.
-    ("options", 40, Both),
+    ("options", 39, Both),
     ("images", 40, Both),
     ("extras", 40, Both),
     ("charts", 40, Both),
