@@ -42,8 +42,8 @@ fn psnr(image: &GeometryImage, back: &Mesh) -> f64 {
 
 #[test]
 fn a_file_reaches_the_psnr_asked_for_says_so_and_keeps_its_bound() {
-    for image in [pillow(17), sheet(20, 27)] {
-        for codec in CODECS {
+    for (image, codecs) in [(pillow(17), &CODECS[..2]), (sheet(20, 27), &CODECS[2..])] {
+        for &codec in codecs {
             let mut last = 0;
             for target in [45.0, 60.0] {
                 let bytes = encoded(&image, &EncodeOptions::gim().codec(codec).psnr(target));
