@@ -26,15 +26,19 @@ pub(super) fn bytes(file: &Path) -> Result<Vec<u8>, Failure> {
 
 /// A mesh, with what its file held and the mesh does not. A `.gimc` file is decoded.
 pub(super) fn mesh(file: &Path, format: Option<Format>) -> Result<(Mesh, Vec<String>), Failure> {
-    let bytes = bytes(file)?;
+    mesh_of(file, &bytes(file)?, format)
+}
+
+/// The same of a file that was read.
+pub(super) fn mesh_of(file: &Path, bytes: &[u8], format: Option<Format>) -> Result<(Mesh, Vec<String>), Failure> {
     let read = || {
         if format.is_none() && bytes.starts_with(b"gimc") {
-            let mesh = Decoder::with_limits(&bytes, Limits::default())?.decode_with(Task::default())?;
+            let mesh = Decoder::with_limits(bytes, Limits::default())?.decode_with(Task::default())?;
             return Ok((mesh, Vec::new()));
         }
         // What the content proves comes before the name: a wrong extension is not the content's fault.
-        let format = format.or_else(|| named_otherwise(file, &bytes));
-        let Loaded { mesh, notes, .. } = Mesh::read(&bytes, format)?;
+        let format = format.or_else(|| named_otherwise(file, bytes));
+        let Loaded { mesh, notes, .. } = Mesh::read(bytes, format)?;
         Ok((mesh, notes))
     };
     read().map_err(|e| Failure::in_file(&name(file), e))

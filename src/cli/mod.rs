@@ -14,6 +14,7 @@ mod input;
 mod inspect;
 mod output;
 mod progress;
+mod resize;
 mod table;
 mod verify;
 mod view;
@@ -49,6 +50,7 @@ enum Command {
     Inspect(inspect::Inspect),
     Compare(compare::Compare),
     View(view::View),
+    Resize(resize::Resize),
     Completions(completions::Completions),
 }
 
@@ -151,6 +153,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Inspect(c) => c.run(),
         Command::Compare(c) => c.run(),
         Command::View(c) => c.run(),
+        Command::Resize(c) => c.run(),
         Command::Completions(c) => c.run(),
     };
     outcome.unwrap_or_else(|failure| failure.report())

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use gimc::Decoder;
-use gimc::picture::{Camera, VertexImage, grid, shade};
+use gimc::picture::{Camera, VertexImage, grid, resize, shade};
+use gimc::{Decoder, ResizeOptions};
 
 use super::failure::Failure;
 use super::{Common, LimitFlags, Outcome, input, output};
@@ -31,6 +31,9 @@ pub(super) struct View {
     /// Of a geometry image only a coarser level: each halves its sides.
     #[arg(long, value_name = "L")]
     level: Option<u8>,
+    /// Of a warp: the columns and rows of its target [default: half the sides].
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    to: Option<(u32, u32)>,
     #[command(flatten)]
     limits: LimitFlags,
     #[command(flatten)]
@@ -45,6 +48,10 @@ enum What {
     Normals,
     /// Every vertex in a colour of its own; white where a cut doubled it.
     Index,
+    /// Of a geometry image, how much the surface changes from sample to sample: what `resize` keeps.
+    Saliency,
+    /// Of a geometry image, its grid as `resize` warps it to the size of --to.
+    Warp,
     /// A shaded view of the mesh.
     Mesh,
 }
@@ -70,6 +77,12 @@ impl View {
         let file = input::name(&self.input);
         let bytes = input::bytes(&self.input)?;
         let is_mesh = !bytes.starts_with(b"gimc");
+        if self.to.is_some() && self.what != What::Warp {
+            return Err(Failure::wrong_use(
+                "--to is the target of --what warp",
+                Some("--size is that of the shaded view".into()),
+            ));
+        }
         if is_mesh && self.what != What::Mesh {
             return Err(Failure::wrong_use(
                 format!("{file} is not a gimc file, and only those hold an image"),
@@ -105,11 +118,21 @@ impl View {
                     let image = decoder.geometry_image_with(task)?;
                     return match self.what {
                         What::Normals => grid::normals_png(&image),
+                        What::Saliency => resize::saliency_png(&image, &ResizeOptions::default()),
+                        What::Warp => {
+                            let half = gimc::eval::scaled_size(&image, 0.5);
+                            let [width, height] = self.to.map_or(half, |(w, h)| [w as usize, h as usize]);
+                            resize::warp_png(&image, &ResizeOptions::default(), width, height, task)
+                        }
                         What::Index => Err(gimc::Error::Parameter(
                             "a geometry image has no index plane: every sample is a vertex of its own".into(),
                         )),
                         _ => grid::points_png(&image),
                     };
+                }
+                if matches!(self.what, What::Saliency | What::Warp) {
+                    // Says that there is none.
+                    decoder.geometry_image_with(task)?;
                 }
                 let image = VertexImage::of_file(&decoder, task)?;
                 match self.what {

@@ -7,20 +7,20 @@ use std::process::{Command, Output, Stdio};
 use crate::corpus;
 
 /// A folder of its own for one test, removed at the end.
-struct Folder(PathBuf);
+pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    fn new(test: &str) -> Self {
+    pub(crate) fn new(test: &str) -> Self {
         let path = std::env::temp_dir().join(format!("gimc-cli-{}-{test}", std::process::id()));
         std::fs::create_dir_all(&path).unwrap();
         Self(path)
     }
 
-    fn file(&self, name: &str) -> String {
+    pub(crate) fn file(&self, name: &str) -> String {
         self.0.join(name).display().to_string()
     }
 
-    fn names(&self) -> Vec<String> {
+    pub(crate) fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(&self.0).unwrap();
         let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
         names.sort();
@@ -34,14 +34,14 @@ impl Drop for Folder {
     }
 }
 
-struct Said {
+pub(crate) struct Said {
     code: i32,
     out: Vec<u8>,
     err: String,
 }
 
 impl Said {
-    fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         String::from_utf8(self.out.clone()).unwrap()
     }
 }
@@ -71,14 +71,14 @@ fn gimc(arguments: &[&str]) -> Said {
 }
 
 /// Runs a command that must succeed.
-fn done(arguments: &[&str]) -> Said {
+pub(crate) fn done(arguments: &[&str]) -> Said {
     let said = gimc(arguments);
     assert_eq!(said.code, 0, "{arguments:?}: {}", said.err);
     said
 }
 
 /// Runs a command that must fail, with a line on stderr, and a hint or none.
-fn fails(code: i32, arguments: &[&str]) -> String {
+pub(crate) fn fails(code: i32, arguments: &[&str]) -> String {
     let said = gimc(arguments);
     assert_eq!(said.code, code, "{arguments:?}: {}", said.err);
     let lines: Vec<&str> = said.err.lines().collect();
@@ -88,7 +88,7 @@ fn fails(code: i32, arguments: &[&str]) -> String {
 }
 
 /// The number after `"key":` in a line of JSON, if it is there.
-fn number(json: &str, key: &str) -> f64 {
+pub(crate) fn number(json: &str, key: &str) -> f64 {
     let start = json.find(&format!("\"{key}\":")).unwrap_or_else(|| panic!("no {key} in {json}")) + key.len() + 3;
     let text: String = json[start..].chars().take_while(|c| !",}]".contains(*c)).collect();
     text.parse().unwrap_or_else(|_| panic!("{key} is {text}"))
