@@ -51,7 +51,7 @@ fn every_method_resizes_a_stored_image_and_the_file_tells_how() {
     done(&["resize", &folder.file("content.gimc"), &again, "--to", "20", "--alpha", "0.4", "--steps", "2", "--codec", "raw"]);
     let history = Decoder::new(&std::fs::read(&again).unwrap()).unwrap().info().history.clone().unwrap();
     assert!(
-        history.contains("to 25 x 20 by content, alpha 0.3, 4 steps")
+        history.contains("to 25 x 20 by content, alpha 0.3, 5 steps")
             && history.contains("to 20 x 20 by content, alpha 0.4, 2 steps")
     );
 }
