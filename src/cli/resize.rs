@@ -38,7 +38,7 @@ pub(super) struct Resize {
     /// How.
     #[arg(long, value_enum, default_value = "content")]
     by: By,
-    /// The share of the positions in the saliency, against that of the normals, 0 to 1 [default: 0.3; 0.5 for baselines and as
+    /// The share of the positions in the saliency, against that of the normals, 0 to 1 [default: 0.4; 0.5 for baselines and as
     /// printed].
     #[arg(long, value_name = "A")]
     alpha: Option<f64>,

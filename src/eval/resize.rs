@@ -4,9 +4,8 @@ use std::fmt::Write;
 
 use super::measure::{CompareOptions, Comparison, compare};
 use crate::error::{Error, Result};
-use crate::gim::{Adjust, ImageRequest, Sampling, geometry_images};
-use crate::mesh::{HalfEdges, Mesh, Scalar};
-use crate::param::Param;
+use crate::gim::Resample;
+use crate::mesh::{Mesh, Scalar};
 use crate::plane::{GeometryImage, Gluing};
 use crate::resize::{ResizeMethod, ResizeOptions, Resized};
 use crate::task::Task;
@@ -23,10 +22,7 @@ pub fn surface_of(image: &GeometryImage) -> Mesh {
 /// # Errors
 /// Meshes that are no disk and no closed surface of genus 0; [`Error::Cancelled`].
 pub fn image_of(mesh: &Mesh, side: usize, task: &Task<'_>) -> Result<GeometryImage> {
-    mesh.check()?;
-    let half_edges = HalfEdges::new(mesh.positions.len(), mesh.faces.triangles())?;
-    let request = ImageRequest { side, param: Param::Yoshizawa, sampling: Sampling::Regular, adjust: Adjust::None };
-    let mut images = geometry_images(&half_edges, &mesh.positions, &request, task)?;
+    let mut images = Resample::new(side).images(mesh, task)?;
     match (images.pop(), images.len()) {
         (Some(image), 0) => Ok(image),
         (_, more) => Err(Error::Parameter(format!("the mesh becomes {} geometry images, 1 expected", more + 1))),

@@ -15,7 +15,7 @@ pub fn saliency_png(image: &GeometryImage, options: &ResizeOptions) -> Result<Ve
     write_png(&Planes::new(vec![Plane::new(image.shape(), 8, bright)?])?)
 }
 
-/// The saliency as it lies in the resized image, and on it lines of the original's grid: where they are far apart, samples were
+/// The saliency as it lies in the resized image, and on it lines of the original's grid: where they crowd, samples were
 /// lost.
 ///
 /// # Errors
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn grid_lines_are_as_many_as_in_the_original_and_wider_apart_where_samples_were_lost() {
+    fn grid_lines_are_as_many_as_in_the_original_and_crowd_where_samples_were_lost() {
         let png = warp_png(&roof(), &ResizeOptions::default(), 20, 20, Task::default()).unwrap();
         let pixels = read_rgb(&png);
         let side = 19 * 50 + 1;

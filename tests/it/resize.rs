@@ -48,11 +48,11 @@ fn every_method_resizes_a_stored_image_and_the_file_tells_how() {
     assert!(of("content") > of("bicubic") + 3.0 && of("bicubic") == of("rds"), "{psnr:?}");
     // What was resized can be resized again, and tells both.
     let again = folder.file("again.gimc");
-    done(&["resize", &folder.file("content.gimc"), &again, "--to", "20", "--alpha", "0.4", "--steps", "2", "--codec", "raw"]);
+    done(&["resize", &folder.file("content.gimc"), &again, "--to", "20", "--alpha", "0.25", "--steps", "2", "--codec", "raw"]);
     let history = Decoder::new(&std::fs::read(&again).unwrap()).unwrap().info().history.clone().unwrap();
     assert!(
-        history.contains("to 25 x 20 by content, alpha 0.3, 5 steps")
-            && history.contains("to 20 x 20 by content, alpha 0.4, 2 steps")
+        history.contains("to 25 x 20 by content, alpha 0.4, 5 steps")
+            && history.contains("to 20 x 20 by content, alpha 0.25, 2 steps")
     );
 }
 
