@@ -159,9 +159,9 @@ impl Resize {
         }
         let seconds = start.elapsed().as_secs_f64();
         if self.common.json {
-            let lines = made.iter().map(|made| json(made, &options));
+            let mut lines = made.iter().map(|made| json(made, &options));
             let object = match lines.len() {
-                1 => lines.last().unwrap_or(Json::Null),
+                1 => lines.next().unwrap_or(Json::Null),
                 _ => Json::object([("levels", Json::list(lines)), ("seconds", seconds.into())]),
             };
             output::print(&format!("{object}\n"))?;
