@@ -5,6 +5,7 @@
 mod image;
 mod info;
 
+pub use crate::extras::AttributeInfo;
 pub use info::{ChunkInfo, Info};
 
 use crate::bits::Reader;

@@ -18,6 +18,7 @@ use crate::limits::Limits;
 use crate::mesh::{Attribute, AttributeKind, Domain, Front, HalfEdges, Mesh, Scalar};
 use crate::options::{Accuracy, Codec, EncodeOptions, Method, Quality};
 use crate::plane::{Lattice, bounding_box};
+use crate::surface::attributes::Form;
 use crate::surface::{self, Effort, Filled};
 use crate::task::Task;
 
@@ -63,6 +64,7 @@ impl EncodeOptions {
         task.step(0.0)?;
         let is_plain = front.is_plain(mesh.positions.len(), &mesh.faces);
         self.check_image(&front, is_plain)?;
+        let (attributes, mut notes) = self.chosen_attributes(mesh);
         let codec = match self.codec {
             Codec::Surface => Header::SURFACE,
             Codec::Mbcim => Header::MBCIM,
@@ -75,7 +77,13 @@ impl EncodeOptions {
         let draft = Header {
             codec,
             double: mesh.precision == Scalar::F64,
-            extras: Extras { fixes: !is_plain, order: self.keep_order, labels: !mesh.labels.is_empty() },
+            extras: Extras {
+                fixes: !is_plain,
+                order: self.keep_order,
+                labels: self.attributes.groups && !mesh.labels.is_empty(),
+                attributes: !attributes.is_empty(),
+                exact: self.accuracy == Accuracy::Exact,
+            },
             vertices,
             faces,
             lattice: LatticeForm::Free(Lattice { origin: [0.0; 3], step: 1.0 }),
@@ -84,7 +92,6 @@ impl EncodeOptions {
             bound: 0.0,
         };
         let (mut header, positions) = place(self.accuracy, draft, mesh)?;
-        let mut notes = notes(mesh, self.image.normals.is_some());
         let on_surface: Vec<[i32; 3]> = front.vertex.iter().map(|&v| positions[v as usize]).collect();
         let source = Source { mesh, front: &front, positions: &on_surface };
         let (body, coded) = self.write_surface(&source, &mut header, &mut notes, task)?;
@@ -94,7 +101,7 @@ impl EncodeOptions {
         let (stages, body): (Chunks, Chunks) = body.into_iter().partition(|(tag, _)| *tag == STAGE);
         body.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
         if header.extras != Extras::default() {
-            extras::write(&mut writer, &header, mesh, &positions, &front, &coded()?)?;
+            extras::write(&mut writer, &header, mesh, &positions, &front, &coded()?, &attributes)?;
         }
         stages.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
         let mut bytes = writer.into_bytes();
@@ -110,12 +117,9 @@ impl EncodeOptions {
 }
 
 impl EncodeOptions {
-    /// Refuses what images of vertices cannot hold.
+    /// Refuses what images of vertices, and stages, cannot hold.
     fn check_image(&self, front: &Front, is_plain: bool) -> Result<()> {
-        if self.codec == Codec::Surface {
-            return Ok(());
-        }
-        if front.surface.triangles().is_empty() {
+        if self.codec != Codec::Surface && front.surface.triangles().is_empty() {
             return Err(MeshDefect::Empty.into());
         }
         let lossy = self.codec == Codec::J2k && self.j2k.quality != Quality::Lossless;
@@ -135,7 +139,33 @@ impl EncodeOptions {
         if self.keep_order && self.image.normals.is_some() {
             return Err(Error::Parameter("planes of normals and the order of a mesh cannot be kept together".into()));
         }
+        if self.accuracy == Accuracy::Exact {
+            return Err(Error::Parameter(format!("{only} not for coordinates bit by bit")));
+        }
         Ok(())
+    }
+
+    /// Whether the codec takes more of the mesh than where vertices are and how they hang together, or less: then nothing
+    /// else can be told from that.
+    fn is_special_image(&self) -> bool {
+        let lossy = self.codec == Codec::J2k && self.j2k.quality != Quality::Lossless;
+        !self.image.stages.is_empty() || lossy || self.image.normals.is_some()
+    }
+
+    /// How each attribute is kept, by its number, and what is not kept.
+    fn chosen_attributes(&self, mesh: &Mesh) -> (Vec<(usize, Form)>, Vec<String>) {
+        let mut notes = Vec::new();
+        let mut attributes = extras::choose_attributes(&mesh.attributes, &self.attributes, &mut notes);
+        if self.is_special_image() {
+            let has_plane = self.image.normals.is_some();
+            let is_plane = |a: &Attribute| has_plane && a.kind == AttributeKind::Normal && a.domain == Domain::Vertex;
+            let left_out = attributes.drain(..).map(|(i, _)| &mesh.attributes[i]).filter(|a| !is_plane(a));
+            notes.extend(left_out.map(|a| format!("attribute `{}` was left out: files in stages, lossy planes and planes of normals have none", a.name)));
+        }
+        if !self.attributes.groups && !mesh.labels.is_empty() {
+            notes.push("names of objects, groups and materials were left out, as asked".into());
+        }
+        (attributes, notes)
     }
 
     /// What the codec keeps, as chunks; the second part tells, if asked, what a reader will make of it. The header may
@@ -214,6 +244,9 @@ struct Source<'a> {
     positions: &'a [[i32; 3]],
 }
 
+/// Bits of the lattice on which exact coordinates are predicted; what is left of them is mostly noise.
+const EXACT_BITS: u32 = 18;
+
 /// Chooses the lattice, puts every vertex on it, and measures how far they move.
 fn place(accuracy: Accuracy, draft: Header, mesh: &Mesh) -> Result<(Header, Vec<[i32; 3]>)> {
     let [low, high] = bounding_box(mesh.positions.iter().copied()).ok_or(MeshDefect::Empty)?;
@@ -225,8 +258,9 @@ fn place(accuracy: Accuracy, draft: Header, mesh: &Mesh) -> Result<(Header, Vec<
     let free = |step| LatticeForm::Free(Lattice { origin: low, step });
     // A vertex moves at most half a step on each axis.
     let for_bound = |bound: f64| 2.0 * bound / 3_f64.sqrt() * (1.0 - 1e-9);
+    let bits = if let Accuracy::Bits(bits) = accuracy { bits } else { EXACT_BITS };
     match accuracy {
-        Accuracy::Bits(bits) => {
+        Accuracy::Bits(_) | Accuracy::Exact => {
             let axis = (0..3).fold(0, |best, i| if sides[i] > sides[best] { i } else { best });
             // In single precision the corners of the box take half the bytes; they may then lie a little outside.
             let outward = |x: f64, up: bool| {
@@ -285,7 +319,7 @@ fn on_lattice(form: LatticeForm, draft: Header, mesh: &Mesh) -> Result<(Header, 
         let decoded = header.position(&lattice, *q);
         [0, 1, 2].map(|i| (decoded[i] - p[i]) * (decoded[i] - p[i])).iter().sum::<f64>()
     });
-    header.bound = round_up(moved.fold(0.0, f64::max).sqrt());
+    header.bound = if header.extras.exact { 0.0 } else { round_up(moved.fold(0.0, f64::max).sqrt()) };
     Ok((header, positions))
 }
 
@@ -294,14 +328,4 @@ fn round_up(x: f64) -> f32 {
     let x = x * (1.0 + 4.0 * f64::EPSILON);
     let nearest = x as f32;
     if f64::from(nearest) < x { nearest.next_up() } else { nearest }
-}
-
-/// What the file does not hold.
-fn notes(mesh: &Mesh, normals: bool) -> Vec<String> {
-    let mut notes = Vec::new();
-    let stored = |a: &&Attribute| normals && a.kind == AttributeKind::Normal && a.domain == Domain::Vertex;
-    for attribute in mesh.attributes.iter().filter(|a| !stored(a)) {
-        notes.push(format!("attribute \"{}\" was left out", attribute.name));
-    }
-    notes
 }

@@ -86,15 +86,19 @@ mod sparse;
 mod surface;
 mod task;
 
-pub use decode::{ChunkInfo, Decoder, Info};
+pub use decode::{AttributeInfo, ChunkInfo, Decoder, Info};
 #[cfg(feature = "encode")]
 pub use encode::Encoded;
 pub use error::{Error, MeshDefect, Place, Result};
 pub use limits::Limits;
-pub use mesh::{Attribute, AttributeKind, Domain, Faces, Format, Inspection, Label, LabelKind, Loaded, Mesh, Places, Scalar};
+pub use mesh::{
+    Attribute, AttributeKind, Domain, Faces, Format, Inspection, Label, LabelKind, Loaded, Mesh, Places, Repair, Repaired,
+    Scalar,
+};
 #[cfg(feature = "encode")]
 pub use options::{
-    Accuracy, Adjust, Boundaries, Codec, EncodeOptions, GimChoices, Grid, ImageChoices, J2kChoices, Method, Param, Quality, Sampling,
+    Accuracy, Adjust, AttributeChoices, Boundaries, Codec, EncodeOptions, GimChoices, Grid, ImageChoices, J2kChoices, Method, Param,
+    Precision, Quality, Sampling,
 };
 pub use par::with_threads;
 pub use plane::{GeometryImage, Gluing, Lattice};

@@ -1,7 +1,9 @@
 //! What a caller may choose.
 
+mod attributes;
 mod gim;
 
+pub use attributes::{AttributeChoices, Precision};
 pub use gim::{Adjust, GimChoices, Grid, Param, Sampling};
 
 use crate::error::{Error, Result};
@@ -34,6 +36,8 @@ pub struct EncodeOptions {
     pub keep_order: bool,
     /// JPEG 2000: how much of the planes is kept.
     pub j2k: J2kChoices,
+    /// Which attributes are kept, and how exact. Default: all.
+    pub attributes: AttributeChoices,
 }
 
 /// How a mesh is kept.
@@ -161,6 +165,8 @@ pub enum Accuracy {
     Psnr(f64),
     /// Geometry images: at most so many bytes, with the best psnr that a search finds.
     Size(u64),
+    /// Every coordinate bit by bit, in the number type that the mesh has.
+    Exact,
 }
 
 impl EncodeOptions {
@@ -175,6 +181,7 @@ impl EncodeOptions {
             image: ImageChoices::default(),
             keep_order: false,
             j2k: J2kChoices::default(),
+            attributes: AttributeChoices::default(),
         }
     }
 
@@ -224,6 +231,11 @@ impl EncodeOptions {
         self.accuracy(Accuracy::Lattice(Lattice { origin, step }))
     }
 
+    /// The same with every coordinate bit by bit.
+    pub fn exact(self) -> Self {
+        self.accuracy(Accuracy::Exact)
+    }
+
     /// The same with another accuracy.
     pub fn accuracy(mut self, accuracy: Accuracy) -> Self {
         self.accuracy = accuracy;
@@ -260,6 +272,12 @@ impl EncodeOptions {
         self
     }
 
+    /// The same with another choice of attributes.
+    pub fn attributes(mut self, attributes: AttributeChoices) -> Self {
+        self.attributes = attributes;
+        self
+    }
+
     /// Refuses values that mean nothing.
     pub(crate) fn check(&self) -> Result<()> {
         let positive = |what: &str, x: f64| {
@@ -273,11 +291,12 @@ impl EncodeOptions {
         self.j2k.check()?;
         self.check_codec()?;
         self.check_method()?;
+        self.attributes.check()?;
         match self.accuracy {
             Accuracy::Bits(bits) if !(1..=crate::format::MAX_BITS).contains(&bits) => {
                 Err(Error::Parameter(format!("bits must be 1 to {}, found {bits}", crate::format::MAX_BITS)))
             }
-            Accuracy::Bits(_) => Ok(()),
+            Accuracy::Bits(_) | Accuracy::Exact => Ok(()),
             Accuracy::Psnr(psnr) if !(psnr > 0.0 && psnr < 300.0) => {
                 Err(Error::Parameter(format!("the psnr must be between 0 and 300 dB, found {psnr}")))
             }

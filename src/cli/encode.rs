@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use gimc::eval::Json;
-use gimc::{Effort, EncodeOptions, Encoded, Format, Task};
+use gimc::{Accuracy, Effort, EncodeOptions, Encoded, Format, Mesh, Repair, Task};
 
+use super::attributes::AttributeFlags;
 use super::failure::Failure;
 use super::table::{number, thousands};
 use super::{Common, Outcome, input, output, positive};
@@ -29,9 +30,9 @@ pub(super) struct Encode {
     /// How it becomes bytes [default: surface; wavelet for the method gim].
     #[arg(long, value_enum)]
     codec: Option<Codec>,
-    /// Positions on a lattice of 2^Q points along the longest side of the box [default: 12].
-    #[arg(long, value_name = "Q", value_parser = clap::value_parser!(u32).range(1..=24), group = "accuracy")]
-    bits: Option<u32>,
+    /// Positions on a lattice of 2^Q points along the longest side of the box, or `exact`: bit by bit [default: 12].
+    #[arg(long, value_name = "Q", value_parser = bits, group = "accuracy")]
+    bits: Option<Accuracy>,
     /// Positions on a lattice of this step, in the units of the mesh.
     #[arg(long, value_name = "S", value_parser = positive, group = "accuracy")]
     step: Option<f64>,
@@ -94,6 +95,17 @@ pub(super) struct Encode {
     /// Also store the order of vertices, faces and first corners; `info` states what it costs.
     #[arg(long)]
     keep_order: bool,
+    #[command(flatten)]
+    attributes: AttributeFlags,
+    /// Repair the mesh first: weld vertices, drop degenerate and duplicate faces, turn faces so that neighbours agree.
+    #[arg(long, help_heading = "Repair")]
+    repair: bool,
+    /// Weld vertices no farther apart than this, in the units of the mesh [default: 0, those at the same place].
+    #[arg(long, value_name = "D", value_parser = positive, requires = "repair", help_heading = "Repair")]
+    weld: Option<f64>,
+    /// Close boundary loops of at most so many edges [default: none].
+    #[arg(long, value_name = "N", requires = "repair", help_heading = "Repair")]
+    close: Option<usize>,
     /// The format of the mesh: obj, ply, off, stl, glb [default: by extension or content].
     #[arg(long, value_name = "FORMAT", value_parser = input::format)]
     format: Option<Format>,
@@ -151,6 +163,15 @@ enum EffortName {
     Best,
 }
 
+/// `exact`, or bits.
+fn bits(text: &str) -> Result<Accuracy, String> {
+    match text.parse() {
+        _ if text == "exact" => Ok(Accuracy::Exact),
+        Ok(bits) if (1..=24).contains(&bits) => Ok(Accuracy::Bits(bits)),
+        _ => Err("1 to 24, or exact, is expected".into()),
+    }
+}
+
 /// `x,y,z,step`.
 fn lattice(text: &str) -> Result<([f64; 3], f64), String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|s| s.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
@@ -199,7 +220,7 @@ impl Encode {
             Some(count) => vec![2; usize::from(count) - 1],
             None => self.stage_bits.clone(),
         };
-        options = options.keep_order(self.keep_order);
+        options = options.keep_order(self.keep_order).attributes(self.attributes.choices());
         let mut j2k = gimc::J2kChoices::default();
         if let Some(bpp) = self.rate {
             j2k.quality = gimc::Quality::BitsPerPixel(bpp);
@@ -212,7 +233,7 @@ impl Encode {
         }
         options = options.image(image).j2k(j2k);
         if let Some(bits) = self.bits {
-            options = options.bits(bits);
+            options = options.accuracy(bits);
         } else if let Some(step) = self.step {
             options = options.step(step);
         } else if let Some(bound) = self.error {
@@ -227,6 +248,19 @@ impl Encode {
             options = options.psnr(psnr);
         }
         options
+    }
+
+    /// The mesh repaired; what was done goes to stderr.
+    fn repaired(&self, file: &str, mesh: Mesh) -> Mesh {
+        let mut wanted = Repair::default();
+        wanted.weld = self.weld.unwrap_or(0.0);
+        wanted.close = self.close.unwrap_or(0);
+        let (mesh, done) = mesh.repaired(&wanted);
+        let steps = done.steps();
+        let nothing = steps.is_empty().then(|| "nothing to do".to_owned());
+        let steps: Vec<String> = steps.into_iter().chain(nothing).map(|step| format!("repair: {step}")).collect();
+        self.common.notes(file, &steps);
+        mesh
     }
 
     /// Whether the input is a geometry image and no mesh.
@@ -255,6 +289,7 @@ impl Encode {
             self.gim.check_mesh(&file)?;
             let (mesh, notes) = input::mesh(&self.mesh, self.format)?;
             self.common.notes(&file, &notes);
+            let mesh = if self.repair { self.repaired(&file, mesh) } else { mesh };
             let encode = |task: Task<'_>| options.encode_with(&mesh, task);
             (self.common.run("encoding", encode).map_err(|e| Failure::in_file(&file, e))?, mesh.positions.len())
         };

@@ -47,6 +47,7 @@ fn json(info: &gimc::Info, bytes: usize, bpv: f64) -> String {
         ("origin", Json::list(info.origin)),
         ("step", info.step.into()),
         ("bits", info.bits.map_or(Json::Null, Json::from)),
+        ("exact", info.exact.into()),
         ("bound", info.bound.into()),
         ("psnr", info.psnr.map_or(Json::Null, Json::from)),
         ("levels", u32::from(info.levels).into()),
@@ -66,10 +67,22 @@ fn json(info: &gimc::Info, bytes: usize, bpv: f64) -> String {
             "chunks",
             Json::list(info.chunks.iter().map(|c| Json::object([("tag", c.tag.as_str().into()), ("bytes", c.bytes.into())]))),
         ),
+        ("attributes", Json::list(info.attributes.iter().map(attribute))),
         ("memory", info.memory.into()),
         ("work", info.work.into()),
     ]);
     format!("{json}\n")
+}
+
+fn attribute(attribute: &gimc::AttributeInfo) -> Json {
+    Json::object([
+        ("name", attribute.name.as_str().into()),
+        ("kind", attribute.kind.into()),
+        ("on", attribute.on.into()),
+        ("width", attribute.width.into()),
+        ("accuracy", attribute.accuracy.as_str().into()),
+        ("bytes", attribute.bytes.into()),
+    ])
 }
 
 fn precision(info: &gimc::Info) -> &'static str {
@@ -96,7 +109,12 @@ fn text(info: &gimc::Info, file: &str, bytes: usize, bpv: f64) -> String {
     if let Some(psnr) = info.psnr {
         table.row("psnr", format!("{psnr:.2} dB"));
     }
-    table.row("coordinates", precision(info));
+    let exact = if info.exact { ", bit by bit" } else { "" };
+    table.row("coordinates", format!("{}{exact}", precision(info)));
+    for attribute in &info.attributes {
+        let gimc::AttributeInfo { name, kind, on, accuracy, bytes, .. } = attribute;
+        table.row(format!("on {on}"), format!("{kind} `{name}`, {accuracy}: {} bytes", thousands(*bytes)));
+    }
     if let Some([rows, columns]) = info.image {
         table.row("image", format!("{rows} rows, {columns} columns"));
     }

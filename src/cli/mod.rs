@@ -3,6 +3,7 @@
 //! One command a file. Results go to stdout, everything else to stderr. Exit codes: 0 done; 1 refused (the mesh, the file, a
 //! limit, or a check found what it was told not to find); 2 wrong use.
 
+mod attributes;
 mod compare;
 mod completions;
 mod decode;

@@ -3,7 +3,7 @@
 use super::{Body, census};
 use crate::codec::j2k;
 use crate::error::{Error, Result};
-use crate::extras::Parts;
+use crate::extras::{AttributeInfo, Parts};
 use crate::format::{Borders, Chunks, Header, LatticeForm, RecipeChunk};
 use crate::images;
 use crate::mesh::Scalar;
@@ -34,6 +34,8 @@ pub struct Info {
     pub step: f64,
     /// log₂ of the lattice points on the longest side of the box, if the lattice was chosen so.
     pub bits: Option<u32>,
+    /// Whether every coordinate is kept bit by bit.
+    pub exact: bool,
     /// No point of the original surface is farther than this from the decoded one, nor the other way round; infinite where
     /// a geometry image states none. It is said of the whole file, not of a coarser level.
     pub bound: f64,
@@ -49,6 +51,8 @@ pub struct Info {
     pub precision: Scalar,
     /// Whether the mesh is an oriented manifold of triangles that uses all its vertices.
     pub manifold: bool,
+    /// Attributes, in the order of the mesh.
+    pub attributes: Vec<AttributeInfo>,
     /// The chunks in the order of the file.
     pub chunks: Vec<ChunkInfo>,
     /// The bytes by what they are for; they add up to the size of the file.
@@ -99,7 +103,10 @@ impl Info {
         recipe: Option<&RecipeChunk>,
     ) -> Result<Self> {
         let lattice = header.lattice.lattice();
-        let bits = if let LatticeForm::Box { bits, .. } = header.lattice { Some(bits) } else { None };
+        let bits = match header.lattice {
+            LatticeForm::Box { bits, .. } if !header.extras.exact => Some(bits),
+            _ => None,
+        };
         let (vertices, faces) = beside.surface_size(header);
         let mut triangles = u64::from(faces);
         let (codec, effort, connectivity, positions, mut cost) = match body {
@@ -165,6 +172,7 @@ impl Info {
             origin: lattice.origin,
             step: lattice.step,
             bits,
+            exact: header.extras.exact,
             bound: bound(header, &stages, stages_present),
             psnr: None,
             levels: 0,
@@ -172,6 +180,7 @@ impl Info {
             history: None,
             precision: if header.double { Scalar::F64 } else { Scalar::F32 },
             manifold: beside.fixes.is_none(),
+            attributes: beside.attributes(),
             chunks: chunks
                 .iter()
                 .map(|chunk| ChunkInfo { tag: chunk.tag.escape_ascii().to_string(), bytes: chunk.size })

@@ -2,13 +2,15 @@
 
 use std::collections::HashMap;
 
+use super::keep;
 use super::source::Known;
 use crate::error::{Error, Result};
-use crate::format::{ChunkWriter, FixesChunk, Header, LabelsChunk, ORDER_TAG};
-use crate::mesh::{Front, HalfEdges, Mesh, NONE};
+use crate::format::{AttributeRecord, ChunkWriter, EXACT_TAG, FixesChunk, Header, LabelsChunk, ORDER_TAG};
+use crate::mesh::{Front, HalfEdges, Mesh, NONE, Scalar};
+use crate::surface::attributes::{Form, Ground};
 use crate::surface::labels::{self, Labelling};
 use crate::surface::records::{self, Origin};
-use crate::surface::{Skin, Walked, renumber};
+use crate::surface::{Skin, Walked, exact, renumber};
 
 /// A surface as a reader will have it, and what its vertices and faces were before.
 #[derive(Debug)]
@@ -51,11 +53,12 @@ pub(crate) fn write(
     positions: &[[i32; 3]],
     front: &Front,
     coded: &Coded,
+    attributes: &[(usize, Form)],
 ) -> Result<()> {
     let skin = &coded.skin;
     let mut source = Known::new(front, coded, &mesh.faces, positions);
-    let (faces_now, origins) = if header.extras.fixes {
-        let met: Vec<[i32; 3]> = coded.order.iter().map(|&v| positions[front.vertex[v as usize] as usize]).collect();
+    let met: Vec<[i32; 3]> = coded.order.iter().map(|&v| positions[front.vertex[v as usize] as usize]).collect();
+    let (faces_now, positions_now, origins) = if header.extras.fixes {
         let totals = source.totals(&mesh.faces, header.vertices);
         let (stream, rebuilt) = records::write(skin, &met, header.extent, totals, &mut source)?;
         let fixes = FixesChunk {
@@ -66,12 +69,26 @@ pub(crate) fn write(
             stream: &stream,
         };
         writer.chunk(FixesChunk::TAG, &fixes.write(header.vertices, header.faces));
-        (rebuilt.faces, rebuilt.origins)
+        (rebuilt.faces, rebuilt.positions, rebuilt.origins)
     } else {
         let origins = (0..header.faces).map(|f| Origin::Surface(3 * f, 0)).collect();
-        (skin.triangles.iter().copied().collect(), origins)
+        (skin.triangles.iter().copied().collect(), met, origins)
     };
     let order = source.renumbering(&mesh.faces, &faces_now, &origins);
+    if header.extras.exact {
+        let lattice = header.lattice.lattice();
+        let near: Vec<_> = positions_now.iter().map(|&q| header.position(&lattice, q)).collect();
+        let known = |v: usize| mesh.positions[order.vertices[v] as usize];
+        let scalar = if header.double { Scalar::F64 } else { Scalar::F32 };
+        writer.chunk(EXACT_TAG, &exact::write(&near, known, scalar)?);
+    }
+    if header.extras.attributes {
+        let ground = Ground::new(&faces_now, &positions_now);
+        let one = |(i, form): &(usize, Form)| keep::write(&mesh.attributes[*i], form, &ground, &order, &mesh.faces);
+        let written: Vec<_> = attributes.iter().map(one).collect::<Result<_>>()?;
+        let records: Vec<_> = written.iter().map(|(record, stream)| AttributeRecord { stream, ..record.clone() }).collect();
+        writer.chunk(AttributeRecord::TAG, &AttributeRecord::write(&records));
+    }
     let mut old_faces = order.faces.clone();
     if header.extras.order {
         writer.chunk(ORDER_TAG, &renumber::write(&faces_now, &order)?);

@@ -37,16 +37,20 @@ pub(crate) struct Extras {
     pub(crate) fixes: bool,
     pub(crate) order: bool,
     pub(crate) labels: bool,
+    pub(crate) attributes: bool,
+    pub(crate) exact: bool,
 }
 
 impl Extras {
     #[cfg(feature = "encode")]
     fn bits(self) -> u8 {
-        u8::from(self.fixes) | u8::from(self.order) << 1 | u8::from(self.labels) << 2
+        let flags = [self.fixes, self.order, self.labels, self.attributes, self.exact];
+        flags.iter().rev().fold(0, |bits, &flag| bits << 1 | u8::from(flag))
     }
 
     fn from_bits(bits: u8) -> Self {
-        Self { fixes: bits & 1 != 0, order: bits & 2 != 0, labels: bits & 4 != 0 }
+        let is_set = |i: u8| bits >> i & 1 != 0;
+        Self { fixes: is_set(0), order: is_set(1), labels: is_set(2), attributes: is_set(3), exact: is_set(4) }
     }
 }
 
@@ -129,7 +133,7 @@ impl Header {
     pub(crate) fn read(mut r: Reader<'_>) -> Result<Self> {
         let codec = r.u8("the codec")?;
         let kind = r.u8("the number type")?;
-        if kind > 15 {
+        if kind > 63 {
             return Err(r.error(format!("a number type of 0 or 1, and flags of known chunks, found {kind}")));
         }
         let (double, extras) = (kind & 1 != 0, Extras::from_bits(kind >> 1));

@@ -3,6 +3,7 @@
 //! Every file holds first a header ([`Header`]), then what its codec needs. What a reader does not
 //! know it skips if the chunk's tag begins with a lower-case letter, and refuses otherwise.
 
+mod attributes;
 mod chunk;
 mod counts;
 mod fixes;
@@ -16,6 +17,7 @@ mod side;
 mod stage;
 mod surface;
 
+pub(crate) use attributes::{AttributeRecord, NumberForm};
 #[cfg(feature = "encode")]
 pub(crate) use chunk::ChunkWriter;
 pub(crate) use chunk::{Chunk, Chunks, VERSION};
@@ -35,3 +37,6 @@ pub(crate) use surface::{SurfaceChunk, read_stage};
 
 /// The order that a mesh had (spec/any-mesh.md, "ORDR"); the payload is one stream.
 pub(crate) const ORDER_TAG: [u8; 4] = *b"ORDR";
+
+/// Coordinates bit by bit (spec/any-mesh.md, "EXAC"); the payload is one stream.
+pub(crate) const EXACT_TAG: [u8; 4] = *b"EXAC";

@@ -123,8 +123,13 @@ impl Corners {
         self.faces.len()
     }
 
+    /// The first corner of counted face `f`.
+    #[inline]
+    pub(crate) fn first(&self, f: u32) -> u32 {
+        self.starts[f as usize]
+    }
+
     /// The number that counted face `f` has in the mesh.
-    #[allow(dead_code)] // the doctor's report names faces by it
     pub(crate) fn number(&self, f: u32) -> u32 {
         self.faces[f as usize]
     }

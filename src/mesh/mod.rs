@@ -10,7 +10,9 @@ pub(crate) mod half_edge;
 pub(crate) mod io;
 #[cfg(feature = "png")]
 mod normals;
+mod orient;
 mod polygon_mesh;
+mod repair;
 mod topology;
 mod union;
 
@@ -25,5 +27,6 @@ pub use io::{Format, Loaded};
 #[cfg(feature = "png")]
 pub(crate) use normals::vertex_normals;
 pub use polygon_mesh::{Faces, Mesh};
+pub use repair::{Repair, Repaired};
 pub use topology::{Inspection, Places};
 pub(crate) use union::Union;

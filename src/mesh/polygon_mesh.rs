@@ -55,8 +55,16 @@ impl Faces {
     /// # Panics
     /// If there is no face `f`.
     pub fn get(&self, f: usize) -> &[u32] {
+        &self.corners[self.range(f)]
+    }
+
+    /// Where the corners of face `f` stand among all corners.
+    ///
+    /// # Panics
+    /// If there is no face `f`.
+    pub fn range(&self, f: usize) -> std::ops::Range<usize> {
         let start = if f == 0 { 0 } else { self.ends[f - 1] as usize };
-        &self.corners[start..self.ends[f] as usize]
+        start..self.ends[f] as usize
     }
 
     /// All faces, in order.

@@ -13,7 +13,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-use super::{Corners, HalfEdges, Mesh, Union};
+use super::{Corners, HalfEdges, Mesh, Repair, Repaired, Union};
 use crate::error::{Error, MeshDefect};
 
 /// So many places of each fault are listed.
@@ -94,6 +94,8 @@ pub struct Inspection {
     pub non_finite_vertices: Places<u32>,
     /// Why the faces, cut into fans of triangles, are not an oriented manifold of finite triangles; `None` if they are.
     pub obstacle: Option<MeshDefect>,
+    /// What [`Mesh::repaired`] would do, with nothing asked for beside.
+    pub repaired: Repaired,
 }
 
 impl Mesh {
@@ -149,6 +151,7 @@ impl Mesh {
             duplicate_positions: self.duplicate_positions(),
             non_finite_vertices: vertices_where(&|v| !finite(v)),
             obstacle: self.obstacle(),
+            repaired: self.repaired(&Repair::default()).1,
         }
     }
 
@@ -345,17 +348,7 @@ impl Inspection {
 
     /// What repairing would do, a sentence without full stop for each step; nothing if there is nothing to do.
     pub fn repairs(&self) -> Vec<String> {
-        let mut steps = Vec::new();
-        let mut step = |n: usize, one: &str, many: &str, rest: &str| {
-            if n > 0 {
-                steps.push(format!("{}{rest}", counted(n, one, many)));
-            }
-        };
-        step(self.duplicate_positions.count, "weld {} vertex", "weld {} vertices", " to others at the same place");
-        step(self.degenerate_faces.count, "drop {} degenerate face", "drop {} degenerate faces", "");
-        step(self.duplicate_faces.count, "drop {} duplicate face", "drop {} duplicate faces", "");
-        step(self.faces_to_turn, "turn {} face", "turn {} faces", " so that neighbours agree about the outside");
-        steps
+        self.repaired.steps()
     }
 
     /// Every kind of fault that occurs: how often, said in words, and the first places.

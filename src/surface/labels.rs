@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use crate::entropy::{AdaptiveBit, BitCoder, BitReader, BitWriter, Numbers};
 use crate::error::{Error, Place, Result};
 use crate::limits::Budget;
-use crate::mesh::{Faces, Label, LabelKind};
+use crate::mesh::{Label, LabelKind};
 
 const KINDS: [LabelKind; 5] =
     [LabelKind::Object, LabelKind::Group, LabelKind::Material, LabelKind::Smoothing, LabelKind::MaterialLibrary];
@@ -32,15 +32,13 @@ impl Labelling {
         Self { labels: labels.collect(), stretch: old.iter().map(|&f| stretch_of(f)).collect() }
     }
 
-    /// The faces, stretch by stretch, and their labels.
-    pub(crate) fn apply(self, faces: &Faces) -> (Faces, Vec<Label>) {
-        let mut order: Vec<u32> = (0..faces.len() as u32).collect();
+    /// The faces in the order of their stretches, and the labels of faces so ordered.
+    pub(crate) fn apply(self) -> (Vec<u32>, Vec<Label>) {
+        let mut order: Vec<u32> = (0..self.stretch.len() as u32).collect();
         order.sort_by_key(|&f| self.stretch[f as usize]);
-        let mut sorted = Faces::default();
-        order.iter().for_each(|&f| sorted.push(faces.get(f as usize)));
         let start = |stretch: u32| order.partition_point(|&f| self.stretch[f as usize] < stretch) as u32;
         let labels = self.labels.into_iter().map(|label| Label { first_face: start(label.first_face), ..label }).collect();
-        (sorted, labels)
+        (order, labels)
     }
 }
 
@@ -205,10 +203,9 @@ mod tests {
         let (count, text, bytes) = write(&labelling).unwrap();
         let mut budget = Budget::new(crate::Limits::default());
         assert_eq!(read(&bytes, count, text, 10, &mut budget).unwrap(), labelling);
-        let faces: Faces = old.iter().map(|&f| [f, f, f]).collect();
-        let (faces, back) = labelling.apply(&faces);
+        let (order, back) = labelling.apply();
         assert_eq!(back, labels);
         let stretch = |f: u32| [0, 2, 5, 9].iter().filter(|&&start| start <= f).count();
-        assert!((0..10).all(|f| stretch(f as u32) == stretch(faces.get(f)[0])));
+        assert!((0..10).all(|f| stretch(f as u32) == stretch(old[order[f] as usize])));
     }
 }

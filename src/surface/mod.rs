@@ -4,6 +4,8 @@
 //! known, the positions. The one room that knows both meshes and decisions. spec/surface.md is the
 //! normative text.
 
+pub(crate) mod attributes;
+pub(crate) mod exact;
 mod gates;
 pub(crate) mod labels;
 mod learned;

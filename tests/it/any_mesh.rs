@@ -51,6 +51,25 @@ fn comes_back(mesh: &Mesh, effort: Effort) -> gimc::Info {
     info
 }
 
+/// The same with every coordinate bit by bit.
+fn comes_back_exactly(mesh: &Mesh) {
+    for keep_order in [true, false] {
+        let bytes = EncodeOptions::cgim().exact().effort(Effort::Fast).keep_order(keep_order).encode(mesh).unwrap();
+        let info = Decoder::new(&bytes).unwrap().info().clone();
+        assert_eq!((info.bound, info.bits, info.exact), (0.0, None, true));
+        let limits = gimc::Limits::default().memory(info.memory).work(2 * info.work);
+        let back = Decoder::with_limits(&bytes, limits).unwrap().decode().unwrap();
+        let bits = |mesh: &Mesh| mesh.positions.iter().map(|p| p.map(f64::to_bits)).collect::<Vec<_>>();
+        let (mut before, mut after) = (bits(mesh), bits(&back));
+        if !keep_order {
+            before.sort_unstable();
+            after.sort_unstable();
+        }
+        assert_eq!(before, after);
+        assert_eq!(picture(mesh), picture(&back));
+    }
+}
+
 /// The same with `keep_order`: everything is where it was.
 fn comes_back_in_order(mesh: &Mesh, effort: Effort) {
     let bytes = EncodeOptions::cgim().bits(12).effort(effort).keep_order(true).encode(mesh).unwrap();
@@ -152,6 +171,36 @@ proptest! {
                 Err(error) => prop_assert_eq!(error.to_string(), gimc::Error::from(gimc::MeshDefect::Empty).to_string()),
             }
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_finite_coordinates_come_back_bit_by_bit(
+        bits in proptest::collection::vec(proptest::array::uniform3(any::<u64>()), 3..40),
+        faces in proptest::collection::vec(proptest::array::uniform3(0_u32..1000), 1..60),
+        is_double: bool,
+        is_tame: bool,
+    ) {
+        let number = |bits: u64| {
+            let x = match (is_double, is_tame) {
+                (true, false) => f64::from_bits(bits),
+                (false, false) => f64::from(f32::from_bits(bits as u32)),
+                (true, true) => (bits % 2001) as f64 / 1000.0 - 1.0,
+                (false, true) => f64::from((bits % 2001) as f32 / 1000.0 - 1.0),
+            };
+            // The box must have a diagonal.
+            if x.is_finite() && x.abs() < 1e100 { x } else { -0.0 }
+        };
+        let mut mesh = Mesh { positions: bits.iter().map(|p| p.map(number)).collect(), ..Mesh::default() };
+        if is_double {
+            mesh.precision = gimc::Scalar::F64;
+        }
+        let count = mesh.positions.len() as u32;
+        faces.iter().for_each(|f| mesh.faces.push(&f.map(|v| v % count)));
+        comes_back_exactly(&mesh);
     }
 }
 

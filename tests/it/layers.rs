@@ -46,7 +46,7 @@ const ROOMS: &[(&str, u32, Wing)] = &[
     ("resize", 30, Surface),
     ("format", 30, Byte),
     ("surface", 30, Both),
-    // 4: the doors; the options and what both doors say lie a step below the doors themselves.
+    // 4: the doors; the options lie lowest, what both doors say between them and the doors.
     ("options", 39, Both),
     ("images", 40, Both),
     ("extras", 40, Both),

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)] // what a test does not expect should fail it
 
 mod any_mesh;
+mod attributes;
 mod cli;
 mod conformance;
 mod corpus;

@@ -2,7 +2,7 @@
 //!
 //! 1. [`sort`](mod@sort): faces that name a vertex twice or have fewer than three corners stay apart (*loose* faces), faces that
 //!    repeat an earlier one become *repeats* of it.
-//! 2. [`orient`]: faces are turned over until neighbours across edges of two faces agree.
+//! 2. [`orient`](super::orient::orient): faces are turned over until neighbours across edges of two faces agree.
 //! 3. [`cut`]: polygons are cut into triangles along *diagonals*, never along an edge that the mesh has already.
 //! 4. [`stitch`]: edges of two faces that agree are glued; of those with more, as many as leave a manifold.
 //! 5. Every fan of triangles around a vertex becomes a vertex of the surface: vertices with several fans are copied.
@@ -12,12 +12,11 @@
 //! triangles, which is what the walk over the surface asks for. A sound triangle mesh passes unchanged.
 
 mod cut;
-mod orient;
 mod sort;
 mod stitch;
 
 use super::half_edge::{HalfEdges, NONE};
-use super::{Corners, Faces};
+use super::{Corners, Faces, orient};
 use cut::Cut;
 pub(crate) use sort::Repeat;
 

@@ -1,10 +1,10 @@
 //! Which faces to turn over so that neighbours agree about the outside.
 
-use super::super::Corners;
+use super::Corners;
 
 /// Whether to turn each face over. Only edges of exactly two faces count; where they cannot all agree (a Möbius strip), some
 /// will not. Of the two ways to orient each connected part, the one that turns fewer faces over.
-pub(super) fn orient(corners: &Corners) -> Vec<bool> {
+pub(crate) fn orient(corners: &Corners) -> Vec<bool> {
     let mut flip = vec![false; corners.face_count()];
     let agrees = |edge: &[u32]| edge.len() != 2 || corners.vertex(edge[0]) != corners.vertex(edge[1]);
     if corners.edges().all(agrees) {
