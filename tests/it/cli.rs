@@ -394,10 +394,10 @@ fn quiet_is_silent_and_notes_are_on_stderr() {
     let folder = Folder::new("quiet");
     let (named, out) = (folder.file("named.obj"), folder.file("out.gimc"));
     std::fs::write(&named, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n").unwrap();
-    let said = done(&["encode", &named, &out]);
+    let said = done(&["encode", &named, &out, "--attributes", "groups"]);
     assert!(said.err.contains("note: ") && said.err.contains("left out"), "{}", said.err);
     assert!(said.out.is_empty());
-    let said = done(&["encode", &named, &out, "--quiet"]);
+    let said = done(&["encode", &named, &out, "--attributes", "none", "--quiet"]);
     assert!(said.err.is_empty() && said.out.is_empty(), "{}", said.err);
 }
 
