@@ -132,7 +132,7 @@ impl<'a> Parts<'a> {
             add((arrange::memory(vertices, faces, corners), 0));
         }
         if let Some(LabelsChunk { count, text, .. }) = self.labels {
-            add((labels::memory(count, text, faces, corners), labels::work(count, text, faces)));
+            add((labels::memory(count, text, vertices, faces, corners), labels::work(count, text, faces)));
         }
         (memory, work)
     }
@@ -183,8 +183,8 @@ impl<'a> Parts<'a> {
             arrange(&mut mesh, Arrangement { vertices: order.vertices, faces, turns: order.turns });
         }
         if let Some(LabelsChunk { count, text, stream }) = self.labels {
-            budget.reserve(labels::memory(count, text, header.faces, corners))?;
-            let (faces, labels) = labels::read(stream, count, text, mesh.faces.len(), budget)?.apply();
+            budget.reserve(labels::memory(count, text, header.vertices, header.faces, corners))?;
+            let (faces, labels) = labels::read(stream, count, text, &mesh.faces, mesh.positions.len(), budget)?.apply();
             arrange(&mut mesh, Arrangement { faces, ..Arrangement::default() });
             mesh.labels = labels;
         }

@@ -95,7 +95,8 @@ pub(crate) fn write(
         old_faces.sort_unstable();
     }
     if header.extras.labels {
-        let (count, text, stream) = labels::write(&Labelling::new(&mesh.labels, &old_faces))?;
+        let faces = if header.extras.order { &mesh.faces } else { &faces_now };
+        let (count, text, stream) = labels::write(&Labelling::new(&mesh.labels, &old_faces), faces, mesh.positions.len())?;
         writer.chunk(LabelsChunk::TAG, &LabelsChunk { count, text, stream: &stream }.write());
     }
     Ok(())

@@ -1,14 +1,15 @@
 //! Names on stretches of faces: objects, groups, materials, smoothing groups (spec/any-mesh.md, "LABL").
 //!
 //! Labels cut the faces of a mesh into stretches. As the order of faces is not kept, each face tells its stretch; the
-//! reader then puts the faces of a stretch together. Neighbours in the walk mostly share it.
+//! reader then puts the faces of a stretch together. Neighbours in the walk and across edges mostly share it.
 
 use std::collections::HashMap;
 
+use super::neighbour::LastFaces;
 use crate::entropy::{AdaptiveBit, BitCoder, BitReader, BitWriter, Numbers};
 use crate::error::{Error, Place, Result};
 use crate::limits::Budget;
-use crate::mesh::{Label, LabelKind};
+use crate::mesh::{Faces, Label, LabelKind};
 
 const KINDS: [LabelKind; 5] =
     [LabelKind::Object, LabelKind::Group, LabelKind::Material, LabelKind::Smoothing, LabelKind::MaterialLibrary];
@@ -49,8 +50,8 @@ const MODEL: u64 = 4 << 16;
 const LABEL: u64 = 64;
 
 /// Bytes of memory that reading takes: for so many labels with so many bytes of names, and for the faces.
-pub(crate) fn memory(count: u32, text: u32, faces: u32, corners: u64) -> u64 {
-    MODEL + LABEL * u64::from(count) + 2 * u64::from(text) + 24 * u64::from(faces) + 4 * corners
+pub(crate) fn memory(count: u32, text: u32, vertices: u32, faces: u32, corners: u64) -> u64 {
+    MODEL + LABEL * u64::from(count) + 2 * u64::from(text) + 4 * u64::from(vertices) + 24 * u64::from(faces) + 5 * corners
 }
 
 /// Steps that reading takes.
@@ -60,20 +61,27 @@ pub(crate) fn work(count: u32, text: u32, faces: u32) -> u64 {
 
 /// Writes labels; how many there are and the bytes of their names must be told to [`read`].
 #[cfg(feature = "encode")]
-pub(crate) fn write(labelling: &Labelling) -> Result<(u32, u32, Vec<u8>)> {
+pub(crate) fn write(labelling: &Labelling, faces: &Faces, vertices: usize) -> Result<(u32, u32, Vec<u8>)> {
     let text: usize = labelling.labels.iter().map(|label| label.name.len()).sum();
     let (Ok(count), Ok(text)) = (u32::try_from(labelling.labels.len()), u32::try_from(text)) else {
         return Err(Error::Parameter("the names of objects, groups and materials are too long".into()));
     };
     let mut coder = BitWriter::default();
-    code(&mut coder, count, text, labelling.stretch.len(), labelling)?;
+    code(&mut coder, count, text, faces, vertices, labelling)?;
     Ok((count, text, coder.finish()))
 }
 
 /// Reads what [`write`] wrote. The caller has paid for [`memory`].
-pub(crate) fn read(bytes: &[u8], count: u32, text: u32, faces: usize, budget: &mut Budget) -> Result<Labelling> {
-    budget.spend(work(count, text, faces as u32))?;
-    code(&mut BitReader::new(bytes), count, text, faces, &Labelling::default())
+pub(crate) fn read(
+    bytes: &[u8],
+    count: u32,
+    text: u32,
+    faces: &Faces,
+    vertices: usize,
+    budget: &mut Budget,
+) -> Result<Labelling> {
+    budget.spend(work(count, text, faces.len() as u32))?;
+    code(&mut BitReader::new(bytes), count, text, faces, vertices, &Labelling::default())
 }
 
 #[cold]
@@ -81,7 +89,14 @@ fn error(why: &str) -> Error {
     Error::malformed(Place::Chunk(*b"LABL", 0), format!("labels: {why}"))
 }
 
-fn code<C: BitCoder>(coder: &mut C, count: u32, mut text: u32, faces: usize, known: &Labelling) -> Result<Labelling> {
+fn code<C: BitCoder>(
+    coder: &mut C,
+    count: u32,
+    mut text: u32,
+    faces: &Faces,
+    vertices: usize,
+    known: &Labelling,
+) -> Result<Labelling> {
     let mut numbers = Numbers::new(6);
     let mut names = Names::default();
     let mut labelling = Labelling::default();
@@ -104,14 +119,31 @@ fn code<C: BitCoder>(coder: &mut C, count: u32, mut text: u32, faces: usize, kno
         let name = names.code(coder, label.map_or("", |l| &l.name), &mut numbers, &mut text)?;
         labelling.labels.push(Label { kind, name, first_face });
     }
-    let mut is_same = [AdaptiveBit::default(); 2];
-    let (mut last, mut lately) = (0, 1);
-    for f in 0..faces {
+    let mut is_near = [AdaptiveBit::default(); 4];
+    let mut is_last = [AdaptiveBit::default(); 4];
+    let mut last_at = LastFaces::new(vertices);
+    // What the face before has, what was told in full last, whether neighbours agreed and the last answer was yes.
+    let (mut last, mut told, mut lately) = (0, 0_u32, 1);
+    for (f, face) in faces.iter().enumerate() {
         let stretch = known.stretch.get(f).copied().unwrap_or(0);
-        lately = usize::from(is_same[lately].code(coder, stretch == last));
-        if lately == 0 {
-            last = numbers.code(coder, stretch, 5);
-        }
+        let near = last_at.near(face);
+        let context = lately + 2 * usize::from(near == Some(last));
+        let is_known = match near {
+            Some(near) if is_near[context].code(coder, stretch == near) => Some(near),
+            near if near != Some(last) && is_last[lately + 2 * usize::from(near.is_some())].code(coder, stretch == last) => Some(last),
+            _ => None,
+        };
+        lately = usize::from(is_known.is_some());
+        last = match is_known {
+            Some(stretch) => stretch,
+            None => {
+                let step = i64::from(stretch) - i64::from(told);
+                let step = numbers.code(coder, (step << 1 ^ step >> 63) as u32, 5);
+                told = told.wrapping_add((step >> 1) ^ (step & 1).wrapping_neg());
+                told
+            }
+        };
+        last_at.set(face, last);
         labelling.stretch.push(last);
         if f % 1024 == 0 && coder.is_exhausted() {
             return Err(error("the stream ends too soon"));
@@ -200,9 +232,10 @@ mod tests {
         ];
         let old: Vec<u32> = (0..10).map(|i| i * 7 % 10).collect();
         let labelling = Labelling::new(&labels, &old);
-        let (count, text, bytes) = write(&labelling).unwrap();
+        let faces: Faces = (0..10).map(|f| [f, f + 1, f + 2]).collect();
+        let (count, text, bytes) = write(&labelling, &faces, 12).unwrap();
         let mut budget = Budget::new(crate::Limits::default());
-        assert_eq!(read(&bytes, count, text, 10, &mut budget).unwrap(), labelling);
+        assert_eq!(read(&bytes, count, text, &faces, 12, &mut budget).unwrap(), labelling);
         let (order, back) = labelling.apply();
         assert_eq!(back, labels);
         let stretch = |f: u32| [0, 2, 5, 9].iter().filter(|&&start| start <= f).count();

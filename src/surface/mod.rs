@@ -9,6 +9,7 @@ pub(crate) mod exact;
 mod gates;
 pub(crate) mod labels;
 mod learned;
+mod neighbour;
 mod order;
 #[cfg(feature = "encode")]
 mod original;

@@ -1,9 +1,10 @@
 //! The order that a mesh had: of its vertices, of its faces, and where each face began (spec/any-mesh.md, "ORDR").
 //!
 //! A walk numbers vertices and faces anew. Where the old order is wanted, each new vertex tells its old number, and each
-//! face too. Old numbers mostly follow each other where the walk followed a row of the mesh; so the step from the number
-//! before is coded. Faces may be told in the order of their least old vertices instead, which many files are sorted by.
+//! face too. Old numbers mostly follow each other where the walk followed a row of the mesh; elsewhere they are near those of a
+//! neighbour. Faces may be told in the order of their least old vertices instead, which many files are sorted by.
 
+use super::neighbour::{LastFaces, NONE, latest_neighbours};
 use crate::entropy::{AdaptiveBit, BitCoder, BitReader, BitWriter, Numbers};
 use crate::error::{Error, Place, Result};
 use crate::limits::Budget;
@@ -22,7 +23,7 @@ pub(crate) struct Renumbering {
 
 /// Bytes of memory that reading takes.
 pub(crate) fn memory(vertices: u32, faces: u32) -> u64 {
-    u64::from(vertices) * 5 + u64::from(faces) * (5 + 4 + 12 + 24)
+    u64::from(vertices) * 13 + u64::from(faces) * (5 + 4 + 12 + 24)
 }
 
 /// Steps that reading takes.
@@ -64,8 +65,10 @@ fn code<C: BitCoder>(
     let sorts = coder.code(sorts, 1 << 15);
     let mut order = Renumbering { faces: vec![0; faces.len()], turns: vec![0; faces.len()], ..Renumbering::default() };
     let mut numbers = Places::new(vertices);
+    let neighbour = latest_neighbours(faces, vertices);
     for v in 0..vertices {
-        let old = numbers.code(coder, known.vertices.get(v).copied().unwrap_or(0))?;
+        let near = order.vertices.get(neighbour[v] as usize).copied();
+        let old = numbers.code(coder, known.vertices.get(v).copied().unwrap_or(0), near)?;
         order.vertices.push(old);
     }
     // The corner with the least old number.
@@ -81,12 +84,15 @@ fn code<C: BitCoder>(
         sequence.sort_by_cached_key(|&f| key(f));
     }
     let mut numbers = Places::new(faces.len());
+    let mut last_at = LastFaces::new(vertices);
     let mut turns = Numbers::new(4);
     let mut last = 0;
     for f in sequence {
         let f = f as usize;
         let face = faces.get(f);
-        order.faces[f] = numbers.code(coder, known.faces.get(f).copied().unwrap_or(0))?;
+        let near = last_at.near(face);
+        order.faces[f] = numbers.code(coder, known.faces.get(f).copied().unwrap_or(0), near)?;
+        last_at.set(face, order.faces[f]);
         if face.len() < 2 {
             continue;
         }
@@ -111,8 +117,10 @@ struct Places {
     taken: Vec<bool>,
     next: u32,
     follows: [AdaptiveBit; 8],
-    is_less: [AdaptiveBit; 2],
+    is_near: [AdaptiveBit; 4],
+    is_less: [AdaptiveBit; 4],
     distance: Numbers,
+    was_near: usize,
     /// Whether the last three numbers followed the one before.
     history: usize,
 }
@@ -123,23 +131,35 @@ impl Places {
             taken: vec![false; count],
             next: 0,
             follows: [AdaptiveBit::default(); 8],
-            is_less: [AdaptiveBit::default(); 2],
-            distance: Numbers::new(2),
+            is_near: [AdaptiveBit::default(); 4],
+            is_less: [AdaptiveBit::default(); 4],
+            distance: Numbers::new(4),
+            was_near: 0,
             history: 0,
         }
     }
 
-    fn code<C: BitCoder>(&mut self, coder: &mut C, place: u32) -> Result<u32> {
+    /// `near` is the number of a neighbour.
+    fn code<C: BitCoder>(&mut self, coder: &mut C, place: u32, near: Option<u32>) -> Result<u32> {
         let follows = self.follows[self.history].code(coder, place == self.next);
         let lately = self.history & 1;
         self.history = (2 * self.history + usize::from(follows)) & 7;
         let place = if follows {
             self.next
         } else {
-            let is_less = self.is_less[lately].code(coder, place < self.next);
-            let distance = place.abs_diff(self.next).wrapping_sub(1);
-            let distance = self.distance.code(coder, distance, usize::from(is_less)).saturating_add(1);
-            if is_less { self.next.wrapping_sub(distance) } else { self.next.saturating_add(distance) }
+            // From the neighbour's number or from the next: whatever is nearer.
+            let from_near = near.unwrap_or(self.next);
+            let is_near = near.is_some() && {
+                let is = place.abs_diff(from_near) < place.abs_diff(self.next);
+                self.is_near[2 * self.was_near + lately].code(coder, is)
+            };
+            self.was_near = usize::from(is_near);
+            let from = if is_near { from_near } else { self.next };
+            let context = 2 * usize::from(is_near);
+            let is_less = self.is_less[context + lately].code(coder, place < from);
+            let distance = place.abs_diff(from).wrapping_sub(1);
+            let distance = self.distance.code(coder, distance, context + usize::from(is_less)).saturating_add(1);
+            if is_less { from.wrapping_sub(distance) } else { from.saturating_add(distance) }
         };
         self.next = place.wrapping_add(1);
         if coder.is_exhausted() {

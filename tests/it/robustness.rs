@@ -24,29 +24,8 @@ fn files() -> Vec<Vec<u8>> {
         options.encode(&mesh).unwrap()
     };
     let mut files: Vec<_> = shapes.into_iter().enumerate().map(encode).collect();
-    files.extend(broken_files());
+    files.extend(trials::worn::files().unwrap());
     files
-}
-
-/// Small files of meshes with every fault, with and without the order.
-fn broken_files() -> [Vec<u8>; 2] {
-    let shape = corpus_make::sphere(60);
-    let mut mesh = Mesh { positions: shape.positions, ..Mesh::default() };
-    let extra = mesh.positions.len() as u32;
-    mesh.positions.extend([[0.5, 0.25, 2.0], [0.1; 3], [0.7; 3], [-0.3; 3]]);
-    let triangles = &shape.triangles;
-    for (i, &[a, b, c]) in triangles.iter().enumerate() {
-        match i % 16 {
-            3 => mesh.faces.push(&[b, a, c]),
-            5 => mesh.faces.push(&[a, b, extra]),
-            7 => mesh.faces.push(&[a, a, c]),
-            9 => [[a, b, c], [c, b, a], [b, c, a]].iter().for_each(|t| mesh.faces.push(t)),
-            11 => mesh.faces.push(&[a, extra + 1, b, c]),
-            _ => mesh.faces.push(&[a, b, c]),
-        }
-    }
-    let options = EncodeOptions::cgim().bits(7).effort(Effort::Fast);
-    [options.encode(&mesh).unwrap(), options.keep_order(true).encode(&mesh).unwrap()]
 }
 
 #[test]
@@ -124,6 +103,19 @@ fn payloads_of_random_bytes_and_of_other_files_do_no_harm() {
             }
         });
         drop(trials::decode(&broken));
+    }
+}
+
+#[test]
+fn noise_beside_the_surface_does_no_harm() {
+    let files = trials::worn::files().unwrap();
+    let mut random = Random::new(11);
+    for round in 0..4000_u32 {
+        let mut bytes: Vec<u8> = (0..3 + random.below(80)).map(|_| random.bits() as u8).collect();
+        // Mostly behind the counts, where the streams are.
+        bytes[2] %= 60;
+        bytes[1] = round as u8;
+        trials::worn::decode(&files, &bytes);
     }
 }
 

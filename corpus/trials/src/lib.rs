@@ -5,6 +5,7 @@
 
 mod same;
 pub mod seal;
+pub mod worn;
 
 use corpus_make::Shape;
 use gimc::{Decoder, Effort, EncodeOptions, Error, Format, Limits, Mesh};

@@ -9,7 +9,7 @@ use gimc::{Effort, EncodeOptions, Format, Mesh};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("use: seeds FOLDER")?;
     let folder = Path::new(&folder);
-    for target in ["decode", "sealed", "obj", "ply", "off", "stl", "glb", "roundtrip"] {
+    for target in ["decode", "sealed", "beside", "obj", "ply", "off", "stl", "glb", "roundtrip"] {
         std::fs::create_dir_all(folder.join(target))?;
     }
     for seed in 0..24_u64 {
@@ -30,6 +30,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         let choices = [&seed.to_le_bytes()[..], &[seed as u8, seed as u8, 10]].concat();
         std::fs::write(folder.join(format!("roundtrip/{seed}")), choices)?;
+    }
+    for seed in 0..15_u8 {
+        std::fs::write(folder.join(format!("beside/{seed}")), [seed % 3, seed / 3, 10 * seed])?;
     }
     Ok(())
 }
