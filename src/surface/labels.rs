@@ -130,7 +130,9 @@ fn code<C: BitCoder>(
         let context = lately + 2 * usize::from(near == Some(last));
         let is_known = match near {
             Some(near) if is_near[context].code(coder, stretch == near) => Some(near),
-            near if near != Some(last) && is_last[lately + 2 * usize::from(near.is_some())].code(coder, stretch == last) => Some(last),
+            near if near != Some(last) && is_last[lately + 2 * usize::from(near.is_some())].code(coder, stretch == last) => {
+                Some(last)
+            }
             _ => None,
         };
         lately = usize::from(is_known.is_some());

@@ -1,6 +1,8 @@
 //! A mesh with every fault and every sort of attribute, and files in which what is beside the surface is noise.
 
-use gimc::{Attribute, AttributeChoices, AttributeKind, Domain, Effort, EncodeOptions, Error, Label, LabelKind, Mesh, Precision, Scalar};
+use gimc::{
+    Attribute, AttributeChoices, AttributeKind, Domain, Effort, EncodeOptions, Error, Label, LabelKind, Mesh, Precision, Scalar,
+};
 
 use crate::seal;
 
@@ -42,7 +44,11 @@ pub fn mesh() -> Mesh {
         });
     }
     let label = |kind, name: &str, first_face| Label { kind, name: name.into(), first_face };
-    mesh.labels = vec![label(LabelKind::Group, "first", 0), label(LabelKind::Material, "stone", 7), label(LabelKind::Group, "second", 30)];
+    mesh.labels = vec![
+        label(LabelKind::Group, "first", 0),
+        label(LabelKind::Material, "stone", 7),
+        label(LabelKind::Group, "second", 30),
+    ];
     mesh
 }
 
