@@ -4,7 +4,7 @@
 //! face too. Old numbers mostly follow each other where the walk followed a row of the mesh; elsewhere they are near those of a
 //! neighbour. Faces may be told in the order of their least old vertices instead, which many files are sorted by.
 
-use super::neighbour::{LastFaces, NONE, latest_neighbours};
+use super::neighbour::{LastFaces, latest_neighbours};
 use crate::entropy::{AdaptiveBit, BitCoder, BitReader, BitWriter, Numbers};
 use crate::error::{Error, Place, Result};
 use crate::limits::Budget;
