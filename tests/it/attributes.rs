@@ -215,3 +215,86 @@ fn texture_coordinates_that_are_an_affine_map_of_the_surface_cost_next_to_nothin
     let bits = 8.0 * encoded.info.attributes[0].bytes as f64 / mesh.positions.len() as f64;
     assert!(bits < 5.0, "{bits} bits a vertex");
 }
+
+/// What a viewer would show of an OBJ file, read line by line: for each face its group, material and smoothing group, and its corners
+/// as positions, texture coordinates and normals; sorted.
+fn shown(text: &str) -> Vec<String> {
+    let (mut v, mut vt, mut vn) = (Vec::new(), Vec::new(), Vec::new());
+    let mut state = [(); 4].map(|()| String::new());
+    let mut faces = Vec::new();
+    for line in text.lines() {
+        let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let numbers = || rest.split_whitespace().map(|x| x.parse::<f32>().unwrap().to_bits()).collect::<Vec<u32>>();
+        match word {
+            "v" => v.push(numbers()),
+            "vt" => vt.push(numbers()),
+            "vn" => vn.push(numbers()),
+            "g" | "usemtl" | "s" | "mtllib" => {
+                let which = ["g", "usemtl", "s", "mtllib"].iter().position(|&w| w == word).unwrap();
+                state[which] = rest.to_owned();
+            }
+            "f" => {
+                let corners: Vec<String> = rest
+                    .split_whitespace()
+                    .map(|corner| {
+                        let mut parts = corner.split('/');
+                        let mut pick = |from: &[Vec<u32>]| {
+                            parts.next().filter(|i| !i.is_empty()).map(|i| from[i.parse::<usize>().unwrap() - 1].clone())
+                        };
+                        format!("{:?} {:?} {:?}", pick(&v), pick(&vt), pick(&vn))
+                    })
+                    .collect();
+                let cycle = (0..corners.len()).map(|i| [&corners[i..], &corners[..i]].concat()).min();
+                faces.push(format!("{state:?} {cycle:?}"));
+            }
+            _ => {}
+        }
+    }
+    faces.sort();
+    faces
+}
+
+#[test]
+fn an_obj_file_with_seams_groups_and_materials_shows_the_same_afterwards() {
+    use std::fmt::Write as _;
+    let (n, mut text) = (9, String::from("mtllib ship.mtl\ng hull\n"));
+    let at = |i: i32, j: i32| i * n + j + 1;
+    for i in 0..n {
+        for j in 0..n {
+            writeln!(text, "v {} {} {}", i, j, (i * j) % 3).unwrap();
+            writeln!(text, "vt {} {}", f64::from(i) / 8.0, f64::from(j) / 8.0).unwrap();
+            writeln!(text, "vt {} {}", f64::from(j) / 16.0, f64::from(i) / 4.0).unwrap();
+            writeln!(text, "vn {} 0.6 0.8", f64::from(i % 2)).unwrap();
+        }
+    }
+    for i in 0..n - 1 {
+        for j in 0..n - 1 {
+            match i * (n - 1) + j {
+                10 | 30 => writeln!(text, "usemtl wood").unwrap(),
+                17 | 50 => writeln!(text, "usemtl brass\ns 1").unwrap(),
+                33 => writeln!(text, "g sail mast\ns off").unwrap(),
+                _ => {}
+            }
+            // Two charts; some faces without normals, some without texture coordinates.
+            let chart = i32::from(j > 4);
+            let corner = |(i, j): (i32, i32)| match (i + 2 * j) % 7 {
+                _ if i == 8 => format!("{}", at(i, j)),
+                _ if chart == 1 => format!("{}/{}", at(i, j), 2 * at(i, j)),
+                _ => format!("{}/{}/{}", at(i, j), 2 * at(i, j) - 1, at(i, j)),
+            };
+            let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(corner);
+            // OBJ wants all corners of a face alike.
+            let alike = |c: &String| c.matches('/').count() == corners[0].matches('/').count();
+            let corners = if corners.iter().all(alike) { corners } else { corners.map(|c| c.split('/').next().unwrap().to_owned()) };
+            writeln!(text, "f {}", corners.join(" ")).unwrap();
+        }
+    }
+    let mesh = Mesh::read(text.as_bytes(), Some(gimc::Format::Obj)).unwrap().mesh;
+    for options in [EncodeOptions::cgim().exact(), EncodeOptions::cgim().step(0.25).keep_order(true)] {
+        let back = back(&options.attributes(exact()), &mesh);
+        let mut written = Vec::new();
+        let notes = back.write(gimc::Format::Obj, &mut written).unwrap();
+        assert!(notes.is_empty(), "{notes:?}");
+        assert_eq!(shown(&text), shown(std::str::from_utf8(&written).unwrap()));
+    }
+}
