@@ -9,9 +9,9 @@ pub use crate::extras::AttributeInfo;
 pub use info::{ChunkInfo, Info};
 
 use crate::bits::Reader;
+use crate::charts;
 #[cfg(feature = "exr")]
 use crate::codec::Exr;
-use crate::charts;
 use crate::codec::j2k::{self, J2k};
 use crate::codec::{PlaneCodec, Raw};
 use crate::error::{Error, Place, Result};

@@ -160,7 +160,9 @@ impl EncodeOptions {
             let has_plane = self.image.normals.is_some();
             let is_plane = |a: &Attribute| has_plane && a.kind == AttributeKind::Normal && a.domain == Domain::Vertex;
             let left_out = attributes.drain(..).map(|(i, _)| &mesh.attributes[i]).filter(|a| !is_plane(a));
-            notes.extend(left_out.map(|a| format!("attribute `{}` was left out: files in stages, lossy planes and planes of normals have none", a.name)));
+            notes.extend(left_out.map(|a| {
+                format!("attribute `{}` was left out: files in stages, lossy planes and planes of normals have none", a.name)
+            }));
         }
         if !self.attributes.groups && !mesh.labels.is_empty() {
             notes.push("names of objects, groups and materials were left out, as asked".into());

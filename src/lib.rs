@@ -97,8 +97,8 @@ pub use mesh::{
 };
 #[cfg(feature = "encode")]
 pub use options::{
-    Accuracy, Adjust, AttributeChoices, Boundaries, Codec, EncodeOptions, GimChoices, Grid, ImageChoices, J2kChoices, Method, Param,
-    Precision, Quality, Sampling,
+    Accuracy, Adjust, AttributeChoices, Boundaries, Codec, EncodeOptions, GimChoices, Grid, ImageChoices, J2kChoices, Method,
+    Param, Precision, Quality, Sampling,
 };
 pub use par::with_threads;
 pub use plane::{GeometryImage, Gluing, Lattice};

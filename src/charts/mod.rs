@@ -19,10 +19,10 @@ pub(crate) use search::{Aim, search};
 #[cfg(feature = "encode")]
 pub(crate) use write::How;
 
-use crate::codec::j2k::J2k;
-use crate::codec::wavelet::{self, Layout};
 #[cfg(feature = "exr")]
 use crate::codec::Exr;
+use crate::codec::j2k::J2k;
+use crate::codec::wavelet::{self, Layout};
 use crate::codec::{PlaneCodec, Raw};
 use crate::error::{Error, Place, Result};
 use crate::format::{ImageBody, ImageChunk, PlanesBy};

@@ -24,9 +24,8 @@ pub(crate) struct Found {
 impl Aim<'_> {
     /// Whether one result is better than another that meets the same target.
     pub(crate) fn prefers(&self, new: &Found, old: &Found) -> Result<bool> {
-        let psnr = |found: &Found| -> Result<f64> {
-            Ok(self.judge.measure(&found.coded.mesh()?, Some(FEW_SAMPLES), self.task)?.psnr)
-        };
+        let psnr =
+            |found: &Found| -> Result<f64> { Ok(self.judge.measure(&found.coded.mesh()?, Some(FEW_SAMPLES), self.task)?.psnr) };
         match self.accuracy {
             Accuracy::Size(_) => Ok(psnr(new)? > psnr(old)?),
             // Nothing else is asked for than fewer bytes.
@@ -94,7 +93,10 @@ pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, task: Task<
             // A sample moves in three directions, and the surface feels one of them.
             let start = 4.0 * diagonal / 10_f64.powf(target / 20.0);
             bisect(start, |step| how.code(image, step, task), judged, task)?.ok_or_else(|| {
-                Error::Parameter(format!("a psnr of {target} dB cannot be reached with an image of {}: take a larger grid", image.shape()))
+                Error::Parameter(format!(
+                    "a psnr of {target} dB cannot be reached with an image of {}: take a larger grid",
+                    image.shape()
+                ))
             })?
         }
         Accuracy::Size(bytes) => {
@@ -136,8 +138,9 @@ pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, task: Task<
                 ))
             })?
         }
-        Accuracy::Lattice(_) => {
-            return Err(Error::Parameter("a lattice is for exact connectivity; a geometry image takes a step".into()));
+        Accuracy::Lattice(_) | Accuracy::Exact => {
+            let why = "a lattice, or coordinates bit by bit, are for exact connectivity; a geometry image takes a step";
+            return Err(Error::Parameter(why.into()));
         }
     };
     Ok(Found { coded, step })

@@ -118,7 +118,11 @@ fn planes(image: &GeometryImage, step: f64, by: PlanesBy, task: Task<'_>) -> Res
         Plane::new(shape, depth, image.points().iter().map(sample).collect())
     };
     let planes = Planes::new(vec![plane(0)?, plane(1)?, plane(2)?])?;
-    let bytes = if by == PlanesBy::J2k { jpeg_2000(&planes, step / step_of_samples, task)? } else { plane_codec(by)?.encode(&planes, &task)? };
+    let bytes = if by == PlanesBy::J2k {
+        jpeg_2000(&planes, step / step_of_samples, task)?
+    } else {
+        plane_codec(by)?.encode(&planes, &task)?
+    };
     let mut unlimited = Budget::new(Limits::default().memory(u64::MAX).work(u64::MAX).vertices(u64::MAX).pixels(u64::MAX));
     let decoded = plane_codec(by)?.decode(&bytes, shape, &[depth; 3], &mut unlimited)?;
     let decoded = from_planes(&decoded, image.gluing(), &lattice)?;

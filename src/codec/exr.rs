@@ -105,7 +105,8 @@ pub(crate) fn write_points(shape: Shape, points: &[[f64; 3]]) -> Result<Vec<u8>>
         AnyChannel::new(name(i, 3).as_str(), FlatSamples::F32(samples))
     };
     let channels = AnyChannels::sort([0, 1, 2].map(channel).into_iter().collect());
-    let layer = Layer::new((shape.width(), shape.height()), LayerAttributes::default(), Encoding::SMALL_FAST_LOSSLESS, channels);
+    let layer =
+        Layer::new((shape.width(), shape.height()), LayerAttributes::default(), Encoding::SMALL_FAST_LOSSLESS, channels);
     let mut bytes = Cursor::new(Vec::new());
     let written = Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes);
     written.map_err(|e| Error::Parameter(format!("the EXR picture cannot be written: {e}")))?;
@@ -131,9 +132,9 @@ pub(crate) fn read_points(bytes: &[u8], budget: &mut Budget) -> Result<(Shape, V
     let picture = picture.non_parallel().from_buffered(Cursor::new(bytes));
     let picture = picture.map_err(|e| malformed(format!("not an EXR picture: {e}")))?;
     let channel = |i: usize| {
-        let found = ["RGB", "rgb", "XYZ", "xyz"].iter().find_map(|names| {
-            picture.layer_data.channel_data.list.iter().find(|channel| channel.name.eq(&names[i..=i]))
-        });
+        let found = ["RGB", "rgb", "XYZ", "xyz"]
+            .iter()
+            .find_map(|names| picture.layer_data.channel_data.list.iter().find(|channel| channel.name.eq(&names[i..=i])));
         let found = found.ok_or_else(|| malformed(format!("an EXR picture without a channel {}", name(i, 3))))?;
         match &found.sample_data {
             FlatSamples::F32(samples) => Ok(samples.iter().map(|&x| f64::from(x)).collect::<Vec<_>>()),

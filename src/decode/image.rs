@@ -61,7 +61,8 @@ impl Info {
             }
         };
         let history = chunks.iter().find(|chunk| chunk.tag == ImageChunk::HISTORY);
-        let info = |chunk: &crate::format::Chunk<'_>| ChunkInfo { tag: chunk.tag.escape_ascii().to_string(), bytes: chunk.size };
+        let info =
+            |chunk: &crate::format::Chunk<'_>| ChunkInfo { tag: chunk.tag.escape_ascii().to_string(), bytes: chunk.size };
         Ok(Self {
             version: crate::format::VERSION,
             method: "gim",
@@ -73,6 +74,7 @@ impl Info {
             origin,
             step,
             bits,
+            exact: false,
             bound: chunk.bound.map_or(f64::INFINITY, f64::from),
             psnr: chunk.psnr.map(|p| f64::from(p) / 100.0),
             levels,
@@ -80,6 +82,7 @@ impl Info {
             history: history.map(|chunk| String::from_utf8_lossy(chunk.payload).into_owned()),
             precision: if chunk.double { Scalar::F64 } else { Scalar::F32 },
             manifold: true,
+            attributes: Vec::new(),
             chunks: chunks.iter().map(info).collect(),
             parts: vec![("header", bytes.len() as u64 - positions), ("positions", positions)],
             image: Some([chunk.rows, chunk.columns]),

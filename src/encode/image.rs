@@ -1,6 +1,6 @@
 //! Geometry images: the method `gim`.
 
-use super::{Encoded, notes};
+use super::Encoded;
 use crate::charts;
 use crate::decode::Decoder;
 use crate::error::{Error, MeshDefect, Result};
@@ -20,7 +20,7 @@ impl EncodeOptions {
         let how = charts::How { codec: self.codec, precision: mesh.precision };
         let aim = self.aim(&judge, task);
         let found = charts::sample(mesh, how, &self.gim, &aim, task)?;
-        Self::encoded(aim.file(&found)?, notes(mesh, false))
+        Self::encoded(aim.file(&found)?, notes(mesh))
     }
 
     /// Encodes a geometry image that was made elsewhere, with the method `gim`.
@@ -46,7 +46,7 @@ impl EncodeOptions {
         let how = charts::How { codec: self.codec, precision };
         let aim = self.aim(&judge, task);
         let found = charts::search(image, how, &aim, task)?;
-        Self::encoded(aim.file(&found)?, original.map_or(Vec::new(), |mesh| notes(mesh, false)))
+        Self::encoded(aim.file(&found)?, original.map_or(Vec::new(), |mesh| notes(mesh)))
     }
 
     fn aim<'a>(&'a self, judge: &'a Judge, task: Task<'a>) -> charts::Aim<'a> {
@@ -57,4 +57,9 @@ impl EncodeOptions {
         let info = Decoder::new(&bytes)?.info().clone();
         Ok(Encoded { info, bytes, notes })
     }
+}
+
+/// What a geometry image does not hold.
+fn notes(mesh: &Mesh) -> Vec<String> {
+    mesh.attributes.iter().map(|a| format!("attribute `{}` was left out: geometry images have none", a.name)).collect()
 }

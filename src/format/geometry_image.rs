@@ -241,7 +241,9 @@ impl<'a> ImageChunk<'a> {
         let double = flags & DOUBLE != 0;
         let chunk = Self { gluing, double, columns, rows, body, psnr, bound, bytes: r.rest() };
         if chunk.vertices() > u64::from(u32::MAX) || chunk.faces() > u64::from(u32::MAX) {
-            return Err(r.error(format!("an image of {columns} x {rows} samples has more vertices or faces than 32 bits count")));
+            return Err(
+                r.error(format!("an image of {columns} x {rows} samples has more vertices or faces than 32 bits count"))
+            );
         }
         Ok(chunk)
     }

@@ -100,12 +100,13 @@ impl EncodeOptions {
                 refuse("this target is for the method gim; exact connectivity takes bits, a step or an error")
             }
             Method::Cgim if self.gim != GimChoices::default() => refuse("these choices are for geometry images (method gim)"),
-            Method::Gim if matches!(self.codec, Codec::Surface | Codec::Mbcim) => {
-                refuse("the codecs surface and mbcim keep connectivity (method cgim); geometry images take wavelet, j2k, raw or exr")
-            }
+            Method::Gim if matches!(self.codec, Codec::Surface | Codec::Mbcim) => refuse(
+                "the codecs surface and mbcim keep connectivity (method cgim); geometry images take wavelet, j2k, raw or exr",
+            ),
             Method::Gim if self.image != ImageChoices::default() => {
                 refuse("search, alignment, normals and stages are for images of vertices (method cgim)")
             }
+            Method::Gim if self.accuracy == Accuracy::Exact => refuse("coordinates bit by bit are for the method cgim"),
             Method::Gim if self.j2k != J2kChoices::default() => {
                 refuse("a geometry image is coded for a psnr, an error, a size or a step, not for a rate of JPEG 2000")
             }

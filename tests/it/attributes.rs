@@ -285,7 +285,8 @@ fn an_obj_file_with_seams_groups_and_materials_shows_the_same_afterwards() {
             let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(corner);
             // OBJ wants all corners of a face alike.
             let alike = |c: &String| c.matches('/').count() == corners[0].matches('/').count();
-            let corners = if corners.iter().all(alike) { corners } else { corners.map(|c| c.split('/').next().unwrap().to_owned()) };
+            let corners =
+                if corners.iter().all(alike) { corners } else { corners.map(|c| c.split('/').next().unwrap().to_owned()) };
             writeln!(text, "f {}", corners.join(" ")).unwrap();
         }
     }

@@ -111,8 +111,7 @@ impl Contexts {
         };
         let first = if component > 0 { field.size(row, column, 0) } else { 0 };
         let second = if component > 1 { field.size(row, column, 1) } else { 0 };
-        let beside =
-            if component > 0 { field.size(row, column - stride, 0) + field.size(row - stride, column, 0) } else { 0 };
+        let beside = if component > 0 { field.size(row, column - stride, 0) + field.size(row - stride, column, 0) } else { 0 };
 
         let tangent = u32::from(component > 0);
         let (band, age) = (place.band as u32, place.age.min(AGES - 1) as u32);

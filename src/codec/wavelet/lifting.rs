@@ -152,7 +152,10 @@ pub(super) mod tests {
             assert_ne!(grid, original);
             grid.synthesise();
             for (a, b) in original.points.iter().zip(&grid.points) {
-                assert!((0..3).all(|i| (a[i] - b[i]).abs() < 3e-15), "{width} x {height}, {gluing:?}: {a:?} came back as {b:?}");
+                assert!(
+                    (0..3).all(|i| (a[i] - b[i]).abs() < 3e-15),
+                    "{width} x {height}, {gluing:?}: {a:?} came back as {b:?}"
+                );
             }
         }
     }

@@ -121,7 +121,8 @@ pub(crate) struct Quantised {
 pub(crate) fn quantise(image: &GeometryImage, layout: Layout, task: &Task<'_>) -> Result<(Quantised, GeometryImage)> {
     layout.check()?;
     let mut open = analyse(image, layout.levels, task)?;
-    let too_small = || Error::Parameter(format!("a step of {} is too small for this image: it needs indices beyond 2³⁰", layout.step));
+    let too_small =
+        || Error::Parameter(format!("a step of {} is too small for this image: it needs indices beyond 2³⁰", layout.step));
     let step = coarse_step(layout.step, layout.levels);
     let index = |x: f64| {
         let index = (x / step + 0.5).floor();

@@ -21,7 +21,11 @@ pub(super) fn surface(width: usize, height: usize, gluing: Gluing) -> GeometryIm
                 // Turned about the middle of a side, (u, v) becomes (−u, 1 − v) or (1 − u, −v): with these the functions below agree.
                 let (a, b) = (wave(u + v / 2.0 + 0.25), wave(v - u / 2.0));
                 let even = wave(u + 0.25) * wave(v + 0.25);
-                [even + 0.2 * a * a, wave(u) * wave(v) * 0.7 + 0.1 * b * b, wave(u + 0.25) * wave(u + 0.25) + 0.3 * wave(v) * wave(v)]
+                [
+                    even + 0.2 * a * a,
+                    wave(u) * wave(v) * 0.7 + 0.1 * b * b,
+                    wave(u + 0.25) * wave(u + 0.25) + 0.3 * wave(v) * wave(v),
+                ]
             }
         }
     };

@@ -23,10 +23,9 @@ pub fn decoded(bytes: &[u8], like: &GeometryImage, step: f64, bounds: [[f64; 3];
 /// Decodes bytes whose first ones choose the layout.
 pub fn any(bytes: &[u8]) {
     let Some((&[w, h, kind, levels], rest)) = bytes.split_first_chunk::<4>() else { return };
-    let (Ok(shape), gluing) = (
-        Shape::new(u32::from(w) + 1, u32::from(h) + 1),
-        if kind & 1 == 0 { Gluing::Open } else { Gluing::Orbifold },
-    ) else {
+    let (Ok(shape), gluing) =
+        (Shape::new(u32::from(w) + 1, u32::from(h) + 1), if kind & 1 == 0 { Gluing::Open } else { Gluing::Orbifold })
+    else {
         return;
     };
     let layout = Layout { shape, gluing, levels: levels & 15, step: f64::from(kind >> 1) / 64.0 };
