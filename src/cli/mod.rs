@@ -44,7 +44,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Encode(encode::Encode),
+    Encode(Box<encode::Encode>),
     Decode(decode::Decode),
     Info(info::Info),
     Verify(verify::Verify),

@@ -46,7 +46,7 @@ impl EncodeOptions {
         let how = charts::How { codec: self.codec, precision };
         let aim = self.aim(&judge, task);
         let found = charts::search(image, how, &aim, task)?;
-        Self::encoded(aim.file(&found)?, original.map_or(Vec::new(), |mesh| notes(mesh)))
+        Self::encoded(aim.file(&found)?, original.map_or(Vec::new(), notes))
     }
 
     fn aim<'a>(&'a self, judge: &'a Judge, task: Task<'a>) -> charts::Aim<'a> {

@@ -193,13 +193,13 @@ impl<C: BitCoder> Walk<'_, C> {
             1 => scene.near[0] = near(corner(0)),
             2 => {
                 scene.near = [near(corner(1)), near(corner(0)), (NONE, 0)];
-                if let Some([d, e]) = self.behind(corner(0)) {
-                    if self.at(d) == scene.near[1].0 && self.at(e) == scene.near[0].0 {
-                        // The third corner of the face behind the gate, beyond its corner at the gate's end.
-                        let third = if corners.next(d) == e { corners.prev(d) } else { corners.next(d) };
-                        scene.near[2] = near(third);
-                        scene.is_across = true;
-                    }
+                if let Some([d, e]) = self.behind(corner(0))
+                    && (self.at(d), self.at(e)) == (scene.near[1].0, scene.near[0].0)
+                {
+                    // The third corner of the face behind the gate, beyond its corner at the gate's end.
+                    let third = if corners.next(d) == e { corners.prev(d) } else { corners.next(d) };
+                    scene.near[2] = near(third);
+                    scene.is_across = true;
                 }
             }
             _ => {
@@ -242,12 +242,12 @@ impl<C: BitCoder> Walk<'_, C> {
         }
         let n = self.shape.components;
         let wanted = self.known.integers.get(wanted as usize * n..(wanted as usize + 1) * n).unwrap_or(&[]);
-        if self.shape.domain == Domain::Corner {
-            if let Some(value) = self.shared(scene.vertex, wanted, candidates, seam)? {
-                self.values.of[element] = value;
-                self.last = value;
-                return Ok(());
-            }
+        if self.shape.domain == Domain::Corner
+            && let Some(value) = self.shared(scene.vertex, wanted, candidates, seam)?
+        {
+            self.values.of[element] = value;
+            self.last = value;
+            return Ok(());
         }
         let value = self.fresh(scene, wanted, seam)?;
         if self.shape.domain == Domain::Corner {
