@@ -6,7 +6,7 @@ use crate::error::{Error, Place, Result};
 use crate::plane::{Gluing, Shape};
 
 /// Bits of the range of an axis that are not coded plainly.
-const MODELLED: u32 = 4;
+const MODELLED: u32 = 3;
 /// No writer needs more steps of 2^plain than this.
 const MOST: u32 = 1 << 12;
 
@@ -19,10 +19,10 @@ pub(super) fn code<C: BitCoder>(
     indices: &mut [[i32; 3]],
 ) -> Result<()> {
     let width = shape.width();
+    let mut model = [AdaptiveBit::default(); 20];
     for axis in 0..3 {
         let range = (i64::from(high[axis]) - i64::from(low[axis])).unsigned_abs() + 1;
         let plain = (64 - range.leading_zeros()).saturating_sub(MODELLED).min(30);
-        let mut model = [AdaptiveBit::default(); 20];
         for at in 0..indices.len() {
             let (row, column) = (at / width, at % width);
             let of = gluing.representative(shape, row, column);

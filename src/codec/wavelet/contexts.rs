@@ -1,19 +1,23 @@
 //! Indices to decisions: which chance each has, learned from the indices around it (spec/wavelet.md, "Contexts").
 //!
-//! Levels go from coarse to fine, places row by row, components one after the other: normal, then tangents. Writing and
-//! reading are the same code.
+//! Levels go from coarse to fine, places row by row, components one after the other: normal, then tangents. What is around a place
+//! says which size to expect, and a trained table what an index of that size does; contexts learn the rest. Writing and reading are
+//! the same code.
 
 use super::quantise::{Band, MAX_INDEX};
+use super::trained::{AROUND, EXPECTATIONS, NODES, ODDS, WEIGHTS};
 use crate::entropy::{AdaptiveBit, BitCoder, Mixer, MixerOptions, Start};
 
 /// Contexts of a size.
-const N: usize = 7;
+const N: usize = 9;
 
 /// Indices at all levels, each at the place of its sample in the finest image that is wanted.
 pub(super) struct Field {
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) indices: Vec<[i32; 3]>,
+    /// The longest side of the box in steps of the level that is being coded.
+    pub(super) reach: u32,
 }
 
 impl Field {
@@ -42,13 +46,15 @@ pub(super) struct Place {
 
 /// What has been learned of indices.
 pub(super) struct Contexts {
-    sizes: Mixer<N, 0>,
+    sizes: Mixer<N, 1>,
+    /// What an index of the expected size would do.
+    odds: [i16; NODES],
     mantissas: [[AdaptiveBit; 32]; 2],
 }
 
 /// Nodes of a size: larger than 0, 1, 2; then the bits of what is left.
 const SMALL: u32 = 3;
-const LAST_NODE: usize = 15;
+const LAST_NODE: usize = NODES - 1;
 /// Ages that are told apart.
 const AGES: usize = 6;
 
@@ -59,11 +65,24 @@ fn bin(activity: i32) -> u32 {
     BOUNDS.iter().take_while(|&&bound| activity >= bound).count() as u32
 }
 
+/// The expected size, in half octaves from 2⁻⁹ on.
+fn expectation(around: [i32; AROUND], weights: &[u32; AROUND]) -> u32 {
+    let sum: u64 = around.iter().zip(weights).map(|(&size, &weight)| size as u64 * u64::from(weight)).sum();
+    match sum.checked_ilog2() {
+        None => 0,
+        Some(octave) => {
+            // Whether it is √2 or more above the power of two.
+            let upper = u128::from(sum) * u128::from(sum) >= 2 << (2 * octave);
+            (2 * octave + u32::from(upper)).saturating_sub(6).min(EXPECTATIONS as u32 - 1)
+        }
+    }
+}
+
 impl Default for Contexts {
     fn default() -> Self {
-        let options = MixerOptions { lines_log2: 12, rate_shift: 5, count_limit: 255 };
-        let starts = [Start::<N, 0>::even(30); 2 * 3 * AGES];
-        Self { sizes: Mixer::new(options, &starts), mantissas: [[AdaptiveBit::default(); 32]; 2] }
+        let options = MixerOptions { lines_log2: 12, rate_shift: 6, count_limit: 255 };
+        let starts = [Start { contexts: [6; N], experts: [80], bias: 0 }; 2 * AGES];
+        Self { sizes: Mixer::new(options, &starts), odds: [0; NODES], mantissas: [[AdaptiveBit::default(); 32]; 2] }
     }
 }
 
@@ -87,7 +106,6 @@ impl Contexts {
         let at = |dr: isize, dc: isize| field.size(row + dr, column + dc, component);
         let (west, north) = (at(0, -stride), at(-stride, 0));
         let (north_west, north_east) = (at(-stride, -stride), at(-stride, stride));
-        let near = 32 * (west + north) + 16 * (north_west + north_east) + 11 * (at(0, -2 * stride) + at(-2 * stride, 0));
         let (mut parent, mut around_parent) = (0, 0);
         if place.age > 0 {
             // The coarse sample before this place, and from there to the detail of the same band a level up.
@@ -114,8 +132,14 @@ impl Contexts {
         let beside = if component > 0 { field.size(row, column - stride, 0) + field.size(row - stride, column, 0) } else { 0 };
 
         let tangent = u32::from(component > 0);
+        let far = at(0, -2 * stride) + at(-2 * stride, 0);
+        let (beyond, reach) = (north_west + north_east, field.reach as i32);
+        let around = [west + north, beyond, far, parent, around_parent, other, first, second, beside, reach, 1];
+        let expected = expectation(around, &WEIGHTS[usize::from(component > 0)][place.age.min(4)]);
+        self.odds = ODDS[usize::from(component > 0)][expected as usize];
         let (band, age) = (place.band as u32, place.age.min(AGES - 1) as u32);
         let base = 3 * tangent + band;
+        let near = 32 * (west + north) + 16 * beyond + 11 * far;
         let of_near = bin(near / 2);
         let of_parent = bin(16 * parent + 4 * around_parent);
         let of_other = bin(16 * other);
@@ -130,14 +154,16 @@ impl Contexts {
             pack([tangent, bin(16 * west), bin(16 * north)]),
             pack([tangent, age, band]),
             pack([tangent, bin(16 * parent), of_other]),
+            pack([base, expected, 0]),
+            pack([tangent, age, expected]),
         ];
-        self.sizes.choose(contexts, (base as usize) * AGES + age as usize);
+        self.sizes.choose(contexts, (tangent as usize) * AGES + age as usize);
     }
 
     /// A size: up to [`SMALL`] step by step, what is beyond by its number of bits.
     fn size<C: BitCoder>(&mut self, coder: &mut C, size: u32, tangent: usize) -> u32 {
         for small in 0..SMALL {
-            if !self.sizes.code(coder, size > small, small as usize, []) {
+            if !self.sizes.code(coder, size > small, small as usize, [self.odds[small as usize].into()]) {
                 return small;
             }
         }
@@ -147,7 +173,7 @@ impl Contexts {
         let mut bits = 0;
         while bits < MAX_INDEX.ilog2() {
             let node = (SMALL as usize + bits as usize).min(LAST_NODE);
-            if !self.sizes.code(coder, length > bits, node, []) {
+            if !self.sizes.code(coder, length > bits, node, [self.odds[node].into()]) {
                 break;
             }
             bits += 1;

@@ -19,6 +19,7 @@ mod quantise;
 mod shrink;
 #[cfg(all(test, feature = "encode"))]
 mod tests;
+mod trained;
 #[cfg(all(feature = "encode", feature = "inner"))]
 #[allow(unreachable_pub)]
 pub mod trial;
@@ -91,6 +92,12 @@ impl Layout {
     fn grid(&self, level: u8) -> Result<Grid> {
         let shape = self.shape_at(level);
         Ok(Grid { shape, gluing: self.gluing, points: vec![[0.0; 3]; shape.pixels()] })
+    }
+
+    /// The longest side of a box in steps of the details of a level, at most 2²⁴.
+    fn reach(&self, [low, high]: [[f64; 3]; 2], level: u8) -> u32 {
+        let longest = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+        (longest / steps(self.step, level, Band::Column)[0]).min(f64::from(1 << 24)) as u32
     }
 
     /// A box in steps of the coarse samples.
@@ -227,7 +234,7 @@ pub(crate) fn write(image: &Quantised, bounds: [[f64; 3]; 2]) -> Result<Vec<u8>>
     let mut indices = image.coarse.clone();
     coarse::code(&mut coder, layout.shape_at(layout.levels), layout.gluing, layout.coarse_box(bounds), &mut indices)?;
     let (width, height) = (layout.shape.width(), layout.shape.height());
-    let mut field = Field { width, height, indices: vec![[0; 3]; width * height] };
+    let mut field = Field { width, height, indices: vec![[0; 3]; width * height], reach: 0 };
     let mut contexts = Contexts::default();
     for level in (0..layout.levels).rev() {
         let details = &image.details[usize::from(level)];
@@ -236,6 +243,7 @@ pub(crate) fn write(image: &Quantised, bounds: [[f64; 3]; 2]) -> Result<Vec<u8>>
             field.indices[((at / columns) * width + at % columns) << level] = index;
         }
         let some = details.iter().any(|index| *index != [0; 3]);
+        field.reach = layout.reach(bounds, level);
         code_level(&mut coder, &mut contexts, &mut field, layout, level, 0, some);
     }
     Ok(coder.finish())
@@ -290,11 +298,12 @@ pub(crate) fn decode(
     coarse::code(&mut coder, coarse_shape, layout.gluing, layout.coarse_box(bounds), &mut indices)?;
     let mut grid = coarse_grid(layout, &indices)?;
     let (width, height) = (shape.width(), shape.height());
-    let mut field = Field { width, height, indices: vec![[0; 3]; width * height] };
+    let mut field = Field { width, height, indices: vec![[0; 3]; width * height], reach: 0 };
     let mut contexts = Contexts::default();
     for level in (finest..layout.levels).rev() {
         task.step(1.0 - f64::from(level) / f64::from(layout.levels))?;
         let ahead = preview(layout, level, &grid)?;
+        field.reach = layout.reach(bounds, level);
         let some = code_level(&mut coder, &mut contexts, &mut field, layout, level, finest, false);
         grid = if some {
             let (columns, stride) = (ahead.shape.width(), 1 << (level - finest));

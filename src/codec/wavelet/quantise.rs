@@ -32,7 +32,7 @@ pub(super) const MAX_LEVELS: u8 = 16;
 /// A tangential step is so many normal ones.
 const TANGENTIAL: f64 = 2.0;
 /// A decoder takes a value to be so much (of a step) smaller than the middle of its interval.
-const TOWARDS_ZERO: f64 = 0.06;
+const TOWARDS_ZERO: f64 = 0.02;
 /// No index may be larger.
 pub(super) const MAX_INDEX: i32 = 1 << 30;
 
@@ -89,8 +89,8 @@ pub(super) fn value(index: i32, step: f64) -> f64 {
 /// How an encoder rounds: 1/2 is to the nearest, less than that makes the interval of 0 wider.
 ///
 /// Alone among zeros a coefficient rounds down sooner than among large ones: it costs more there.
-const ROUND_ALONE: f64 = 0.36;
-const ROUND_MORE: f64 = 0.14 / 4.0;
+const ROUND_ALONE: f64 = 0.25;
+const ROUND_MORE: f64 = 0.16 / 4.0;
 const ROUND_MOST: f64 = 0.5;
 
 /// Indices of coefficients that are given in steps, all of one level; 0 for coarse samples, and for those that are glued to
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn an_index_stands_for_a_value_near_its_own() {
-        for (index, wanted) in [(0, 0.0), (1, 0.94), (-1, -0.94), (7, 6.94)] {
+        for (index, wanted) in [(0, 0.0), (1, 0.98), (-1, -0.98), (7, 6.98)] {
             assert!((value(index, 1.0) - wanted).abs() < 1e-12);
         }
     }
