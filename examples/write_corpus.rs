@@ -5,7 +5,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gimc::{Decoder, Effort, EncodeOptions, Mesh};
+use gimc::{Codec, Decoder, Effort, EncodeOptions, GimChoices, Grid, Mesh};
 use trials::seal::{self, Chunk};
 
 type Failure = Box<dyn std::error::Error>;
@@ -43,6 +43,11 @@ fn valid(corpus: &Path) -> Result<Vec<(&'static str, Mesh, EncodeOptions)>, Fail
     double.positions.iter_mut().flatten().for_each(|x| *x = (*x + 1.0) / 3.0);
     double.precision = gimc::Scalar::F64;
     let cgim = EncodeOptions::cgim;
+    let gim = |side, codec| {
+        let mut choices = GimChoices::quality();
+        choices.grid = Grid::Side(side);
+        EncodeOptions::gim().codec(codec).gim_choices(choices)
+    };
     Ok(vec![
         ("bumpy_sphere-8-fast", open("bumpy_sphere.ply")?, cgim().bits(8).effort(Effort::Fast)),
         ("torus_with_holes-11", open("torus_with_holes.ply")?, cgim().bits(11)),
@@ -50,6 +55,11 @@ fn valid(corpus: &Path) -> Result<Vec<(&'static str, Mesh, EncodeOptions)>, Fail
         ("genus_5-error-best", open("genus_5.ply")?, cgim().error(0.01).effort(Effort::Best)),
         ("block-14", open("block.ply")?, cgim().bits(14)),
         ("components-relative", open("components.ply")?, cgim().error_relative(1e-3)),
+        ("sphere-gim-wavelet", open("sphere.ply")?, gim(17, Codec::Wavelet).step(0.02)),
+        ("sphere-gim-j2k", open("sphere.ply")?, gim(9, Codec::J2k).step(0.05)),
+        ("terrain-gim-wavelet", open("terrain.ply")?, gim(33, Codec::Wavelet).step(2.0)),
+        ("terrain-gim-raw", open("terrain.ply")?, gim(12, Codec::Raw).bits(10)),
+        ("terrain-gim-exr", open("terrain.ply")?, gim(9, Codec::Exr).bits(14)),
         ("sphere-lattice", open("sphere.ply")?, cgim().lattice([-1.5, 0.25, 0.0], 0.01)),
         ("sphere-double-20", double, cgim().bits(20)),
         ("sphere-1-fast", open("sphere.ply")?, cgim().bits(1).effort(Effort::Fast)),
