@@ -27,7 +27,7 @@ pub(crate) struct Measured {
 /// Samples on each surface that `eval::compare` takes at least, and for each triangle.
 const SAMPLES: usize = 200_000;
 const SAMPLES_A_TRIANGLE: usize = 10;
-/// What a search takes: psnr by these is right to some hundredths of a dB.
+/// What a search takes of the surface with more: psnr by these is right to some hundredths of a dB.
 pub(crate) const FEW_SAMPLES: usize = 60_000;
 /// The seed of `eval::CompareOptions`.
 const SEED: u64 = 1;
@@ -50,11 +50,15 @@ impl Judge {
         self.diagonal
     }
 
-    /// Measures a decoded mesh by `few` samples, or by as many as `eval::compare`.
+    /// Measures a decoded mesh by as many samples as `eval::compare`, or by `few` on the surface with more.
     pub(crate) fn measure(&self, decoded: &Mesh, few: Option<usize>, task: Task<'_>) -> Result<Measured> {
         let decoded = self.surface(decoded)?;
+        let many = |surface: &Surface| SAMPLES.max(SAMPLES_A_TRIANGLE * surface.triangles().len());
+        let most = many(&self.original).max(many(&decoded));
+        // Both surfaces weigh as they do with all samples.
+        let share = few.map_or(1.0, |few| few.min(most) as f64 / most as f64);
         let sampled = |from: &Surface, to: &Surface| {
-            let samples = few.unwrap_or_else(|| SAMPLES.max(SAMPLES_A_TRIANGLE * from.triangles().len()));
+            let samples = ((many(from) as f64 * share) as usize).max(1);
             sample(from, to, SampleOptions { samples, seed: SEED }, &task)
         };
         let (there, back) = (sampled(&self.original, &decoded)?, sampled(&decoded, &self.original)?);

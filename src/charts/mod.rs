@@ -15,7 +15,7 @@ mod write;
 #[cfg(feature = "encode")]
 pub(crate) use sample::sample;
 #[cfg(feature = "encode")]
-pub(crate) use search::{Aim, search};
+pub(crate) use search::{Aim, polish, search};
 #[cfg(feature = "encode")]
 pub(crate) use write::How;
 

@@ -5,7 +5,7 @@
 //! search for the step, since what is cheap depends on the step.
 
 use super::mesh;
-use super::search::{Aim, Found, search};
+use super::search::{Aim, Found, polish, search};
 use super::write::How;
 use crate::codec::wavelet::shrink;
 use crate::error::{Error, Result};
@@ -66,18 +66,19 @@ pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<
     };
     task.step(0.5)?;
     let mut found = search(&image, how, aim, task)?;
+    let mut best = image;
     if choices.adjust == Adjust::Rate {
-        let mut image = image;
+        let mut image = best.clone();
         for turn in 0..TURNS {
             task.step(0.6 + 0.15 * turn as f64)?;
             image = cheaper(map, image, found.step, task)?;
             let other = search(&image, how, aim, task)?;
             if aim.prefers(&other, &found)? {
-                found = other;
+                (found, best) = (other, image.clone());
             }
         }
     }
-    Ok(found)
+    polish(&best, how, aim, found)
 }
 
 /// The image with its samples where they cost less at a step.

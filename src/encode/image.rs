@@ -46,6 +46,7 @@ impl EncodeOptions {
         let how = charts::How { codec: self.codec, precision };
         let aim = self.aim(&judge, task);
         let found = charts::search(image, how, &aim, task)?;
+        let found = charts::polish(image, how, &aim, found)?;
         Self::encoded(aim.file(&found)?, original.map_or(Vec::new(), notes))
     }
 
