@@ -4,6 +4,8 @@
 //! `cargo run --release --example paper_table -- FOLDER` with `cathead.obj venus.off camel.ply foot.ply mannequin.ply` in the folder;
 //! further arguments choose among these.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 use gimc::eval::{CompareOptions, compare};
 use gimc::resample::{Adjustment, Param, Resample, Sampling};
 use gimc::{Error, Mesh, Task};

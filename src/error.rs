@@ -131,6 +131,9 @@ impl Error {
         }
     }
 
+    /// What is [`Error::Unsupported`] where a surface has no geometry image.
+    pub(crate) const IMAGE_OF: &'static str = "a geometry image of";
+
     pub(crate) fn malformed(at: Place, why: impl Into<String>) -> Self {
         Self::Malformed { at, why: why.into() }
     }
@@ -144,7 +147,9 @@ impl Error {
             }
             Self::Mesh(MeshDefect::Empty | MeshDefect::NonFinite { .. } | MeshDefect::IndexOutOfRange { .. }) => None,
             Self::Mesh(_) => Some("`gimc inspect MESH` tells all that is wrong with it".into()),
-            Self::NoConvergence { .. } => Some("`--method cgim` keeps the mesh's own triangles and needs no map of it".into()),
+            Self::NoConvergence { .. } | Self::Unsupported { what: Self::IMAGE_OF, .. } => {
+                Some("`--method cgim` keeps the mesh's own triangles and needs no map of it".into())
+            }
             _ => None,
         }
     }

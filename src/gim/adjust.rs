@@ -13,7 +13,7 @@ use super::fit::{Target, barycentric, chunks};
 use super::gradient;
 use super::spread::spread;
 use crate::error::Result;
-use crate::geom::{Bvh, Triangle, distance2};
+use crate::geom::{Aabb, Bvh, Triangle, distance2};
 use crate::par;
 use crate::plane::GeometryImage;
 use crate::task::Task;
@@ -102,7 +102,10 @@ impl Region {
         let before = homes.iter().map(|&s| squares.from_original[s]);
         let before = before.chain(touched.iter().map(|&s| squares.from_image[s])).fold(0.0, f64::max);
         let place = |s: usize| window.binary_search(&s).unwrap_or(0) as u32;
-        let homes = homes.iter().map(|&s| (s, squares.around(s, RADIUS).map(place).collect())).collect();
+        // Its own square is the likeliest to be nearest, and spares a probe most of the others.
+        let looks_at =
+            |s: usize| std::iter::once(s).chain(squares.around(s, RADIUS).filter(move |&t| t != s)).map(place).collect();
+        let homes = homes.iter().map(|&s| (s, looks_at(s))).collect();
         Self { touched, homes, window, before }
     }
 }
@@ -361,13 +364,23 @@ impl<'a> Squares<'a> {
     fn attempt(&self, square: usize, steps: &[(u32, DVec3)], share: f64, region: &Region) -> Option<Move> {
         let points: Vec<(u32, DVec3)> = steps.iter().map(|&(v, g)| (v, self.points[v as usize] - share * g)).collect();
         let at = |v: u32| points.iter().find(|p| p.0 == v).map_or(self.points[v as usize], |p| p.1);
-        let window: Vec<[Triangle; 2]> = region.window.iter().map(|&s| self.triangles(s, at).map(|t| t.0)).collect();
+        let window: Vec<([Triangle; 2], Aabb)> = region
+            .window
+            .iter()
+            .map(|&s| self.triangles(s, at).map(|t| t.0))
+            .map(|t| (t, Aabb::of(t.into_iter().flatten())))
+            .collect();
         let mut probes = Vec::with_capacity(region.homes.len());
         for (s, looks_at) in &region.homes {
             let mut distances = Vec::with_capacity(self.starts[s + 1] - self.starts[*s]);
             for probe in &self.probes[self.starts[*s]..self.starts[s + 1]] {
-                let near = looks_at.iter().flat_map(|&i| window[i as usize]);
-                let d = near.map(|t| distance2(probe.point, t)).fold(f64::INFINITY, f64::min);
+                let mut d = f64::INFINITY;
+                for &i in looks_at {
+                    let (triangles, aabb) = &window[i as usize];
+                    if aabb.distance2(probe.point) < d {
+                        d = triangles.iter().map(|&t| distance2(probe.point, t)).fold(d, f64::min);
+                    }
+                }
                 if d >= region.before {
                     return None;
                 }

@@ -4,11 +4,11 @@ use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
 
+use super::Adjust;
 use super::adjust::adjust;
 use super::fit::{Damping, Target};
 use super::sampling::Sampling;
 use super::spread::Sample;
-use super::{Adjust, refused};
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Bvh};
 use crate::mesh::HalfEdges;
@@ -62,10 +62,7 @@ impl Map {
     pub(crate) fn new(mesh: &HalfEdges, positions: &[[f64; 3]], param: Param, task: &Task<'_>) -> Result<Self> {
         let frame = Frame::around(positions);
         let scaled: Vec<DVec3> = positions.iter().map(|&p| frame.inside(p)).collect();
-        let chart = param::flatten(mesh.clone(), scaled, param, task).map_err(|e| match e {
-            Error::Parameter(why) => refused(why),
-            other => other,
-        })?;
+        let chart = param::flatten(mesh.clone(), scaled, param, task)?;
         let (cover, origin) = chart.cover();
         let cover = Bvh::new(&cover.iter().map(|t| t.map(|p| p.extend(0.0))).collect::<Vec<_>>());
         Ok(Self { chart, frame, cover, origin, target: OnceLock::new() })

@@ -84,7 +84,10 @@ impl Atlas {
             return Err(Error::Mesh(MeshDefect::Empty));
         }
         if first.len() > CHARTS {
-            return Err(refused(format!("{} components; at most {CHARTS} are resampled", first.len())));
+            return Err(Error::Unsupported {
+                what: Error::IMAGE_OF,
+                id: format!("{} components (at most {CHARTS})", first.len()),
+            });
         }
         if first.len() == 1 {
             return Ok(Self { maps: vec![Map::new(mesh, positions, param, task)?] });
@@ -139,9 +142,4 @@ pub(crate) fn geometry_images(
     let atlas = Atlas::new(mesh, positions, request.param, task)?;
     let image = |(map, side): (&Map, usize)| map.adjust(map.sample(side, request.sampling, task)?, request.adjust, task);
     atlas.maps().iter().zip(atlas.sides(request.side)).map(image).collect()
-}
-
-/// What stands in for a method that a surface is too wild for.
-fn refused(why: impl std::fmt::Display) -> Error {
-    Error::Parameter(format!("{why}; `--method cgim` stores any manifold"))
 }

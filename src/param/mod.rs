@@ -55,13 +55,8 @@ pub(crate) fn flatten(mesh: HalfEdges, positions: Vec<DVec3>, param: Param, task
     let mut chart = match loops.len() {
         0 if euler == 2 => orbifold::lay_out(mesh, positions, param, task)?,
         1 if euler == 1 => border::lay_out(mesh, positions, param, task)?,
-        count if euler + count as i64 == 2 => {
-            return Err(Error::Parameter(format!("a component with {count} boundary loops; a chart has at most one")));
-        }
-        count => {
-            let handles = (2 - euler - count as i64) / 2;
-            return Err(Error::Parameter(format!("a component with {handles} handles; a chart has none")));
-        }
+        count if euler + count as i64 == 2 => return Err(refused(format!("a component with {count} boundary loops"))),
+        count => return Err(refused(format!("a component with {} handles", (2 - euler - count as i64) / 2))),
     };
     if param == Param::Stretch && chart.folds() == 0 {
         newton::improve(&mut chart, task)?;
@@ -70,6 +65,10 @@ pub(crate) fn flatten(mesh: HalfEdges, positions: Vec<DVec3>, param: Param, task
         0 => Ok(chart),
         folds => Err(Error::NoConvergence { what: "a map without folds", after: 1, residual: folds as f64 }),
     }
+}
+
+fn refused(id: String) -> Error {
+    Error::Unsupported { what: Error::IMAGE_OF, id }
 }
 
 impl Chart {

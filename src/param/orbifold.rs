@@ -24,16 +24,25 @@ const MARGIN: f64 = 0.02;
 pub(super) fn lay_out(mesh: HalfEdges, positions: Vec<DVec3>, param: Param, task: &Task<'_>) -> Result<Chart> {
     let (mut mesh, mut positions) = (mesh, positions);
     // Where the cones are neighbours of each other no tree fits between them; one subdivision makes room.
-    let (cones, tree) = loop {
-        let cones = cones::far_apart(&mesh, &positions);
-        if let Some(tree) = join(&mesh, &positions, cones) {
-            break (cones, tree);
+    let mut room = None;
+    for attempt in 0..3 {
+        if attempt > 0 {
+            (mesh, positions, _) = split_edges(&mesh, &positions, |_| true)?;
         }
-        (mesh, positions, _) = split_edges(&mesh, &positions, |_| true)?;
-    };
+        let cones = cones::far_apart(&mesh, &positions);
+        room = join(&mesh, &positions, cones).map(|tree| (cones, tree));
+        if room.is_some() {
+            break;
+        }
+    }
+    let (cones, tree) = room.ok_or_else(unjoined)?;
     let mut chart = fold(mesh, positions, cones, &tree)?;
     yoshizawa::lay_out(&mut chart, param, task)?;
     Ok(chart)
+}
+
+fn unjoined() -> Error {
+    Error::Unsupported { what: Error::IMAGE_OF, id: "a closed surface whose cones no tree joins".into() }
 }
 
 /// A tree of edges whose leaves are the four cones: the first two joined, then the others to what is there.
@@ -62,8 +71,7 @@ fn fold(mesh: HalfEdges, positions: Vec<DVec3>, cones: [u32; 4], tree: &CutGraph
     let mut w = vec![DVec2::splat(0.5); mesh.vertices()];
     let mut freedom = vec![Freedom::Free; mesh.vertices()];
     let count = 3 * mesh.triangles().len() as u32;
-    let broken = || Error::Parameter("the cones of a closed surface could not be joined".into());
-    let start = (0..count).find(|&h| tree.has(h)).ok_or_else(broken)?;
+    let start = (0..count).find(|&h| tree.has(h)).ok_or_else(unjoined)?;
     let (mut lift, mut met, mut h) = (Lift::IDENTITY, 0, start);
     loop {
         let v = mesh.to(h);
@@ -73,10 +81,10 @@ fn fold(mesh: HalfEdges, positions: Vec<DVec3>, cones: [u32; 4], tree: &CutGraph
             if tree.has(g) {
                 break;
             }
-            g = next(mesh.opposite(g).ok_or_else(broken)?);
+            g = next(mesh.opposite(g).ok_or_else(unjoined)?);
         }
         if cones.contains(&v) {
-            let centre = *CONES.get(met).ok_or_else(broken)?;
+            let centre = *CONES.get(met).ok_or_else(unjoined)?;
             w[v as usize] = lift.back(centre);
             freedom[v as usize] = Freedom::Fixed;
             lift = lift.then_half_turn(centre);
@@ -89,7 +97,7 @@ fn fold(mesh: HalfEdges, positions: Vec<DVec3>, cones: [u32; 4], tree: &CutGraph
     }
     // Half-turns about all four corners of a walk around them add up to nothing.
     if met != 4 || lift != Lift::IDENTITY {
-        return Err(broken());
+        return Err(unjoined());
     }
     Ok(Chart { mesh, positions, gluing: Gluing::Orbifold, lifts, w, freedom })
 }

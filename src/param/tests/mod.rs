@@ -68,7 +68,7 @@ fn each_parametrisation_stretches_less_than_the_one_before() {
 #[test]
 fn the_smallest_surfaces_are_charts_too() {
     let tetrahedron = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
-    let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
     for (triangles, count) in [(tetrahedron, 4), (vec![[0, 1, 2]], 3), (vec![[0, 1, 2], [0, 2, 3]], 4)] {
         let mesh = HalfEdges::new(count, triangles).unwrap();
         check(&flatten(mesh, corners[..count].to_vec(), Param::Stretch, &Task::default()).unwrap());
