@@ -6,6 +6,8 @@
 //! 14 bits, `j2k` through rates at 12 bits, with the boundaries stored (`exact`) and implied (the cluster phase).
 //! Afterwards, on stdout: at which rates the cluster phase still finds every vertex.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -3,6 +3,8 @@
 //! Prints a table in Markdown, as `docs/table1.md` has it: rows × columns of one sweep, of the same sweep with the
 //! paper's own alignment and removal of rows and columns, and of the best of N trials; pixels a vertex; seconds.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 use std::time::Instant;
 
 use gimc::{Codec, EncodeOptions, ImageChoices, Mesh};

@@ -35,18 +35,26 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Every way to choose the accuracy, every effort, every kind of mesh; the smallest last.
+/// Every way to choose the accuracy, every effort, every codec whose bytes are ours alone, every kind of mesh; the smallest last.
 fn valid(corpus: &Path) -> Result<Vec<(&'static str, Mesh, EncodeOptions)>, Failure> {
     let open = |name: &str| Mesh::open(corpus.join("meshes").join(name));
     let triangle = Mesh::from_triangles(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]], [[0, 1, 2]]);
     let mut double = open("sphere.ply")?;
     double.positions.iter_mut().flatten().for_each(|x| *x = (*x + 1.0) / 3.0);
     double.precision = gimc::Scalar::F64;
+    // Three faces at an edge, one turned over, one twice, and a vertex of none.
+    let around = [[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [-1.0, 0.5, 0.0], [-1.0, -0.5, 0.0], [3.0; 3]];
+    let fan = Mesh::from_triangles(around.to_vec(), [[0, 1, 2], [0, 1, 3], [1, 0, 4], [1, 0, 4]]);
     let cgim = EncodeOptions::cgim;
     let gim = |side, codec| {
         let mut choices = GimChoices::quality();
         choices.grid = Grid::Side(side);
         EncodeOptions::gim().codec(codec).gim_choices(choices)
+    };
+    let staged = |options: EncodeOptions, stages: &[u8]| {
+        let mut choices = gimc::ImageChoices::default();
+        choices.stages = stages.to_vec();
+        options.image(choices)
     };
     Ok(vec![
         ("bumpy_sphere-8-fast", open("bumpy_sphere.ply")?, cgim().bits(8).effort(Effort::Fast)),
@@ -63,6 +71,12 @@ fn valid(corpus: &Path) -> Result<Vec<(&'static str, Mesh, EncodeOptions)>, Fail
         ("sphere-lattice", open("sphere.ply")?, cgim().lattice([-1.5, 0.25, 0.0], 0.01)),
         ("sphere-double-20", double, cgim().bits(20)),
         ("sphere-1-fast", open("sphere.ply")?, cgim().bits(1).effort(Effort::Fast)),
+        ("bumpy_sphere-11-staged", open("bumpy_sphere.ply")?, staged(cgim().bits(11), &[2, 3])),
+        ("torus_with_holes-10-mbcim-staged", open("torus_with_holes.ply")?, staged(cgim().bits(10).codec(Codec::Mbcim), &[3])),
+        ("components-8-raw", open("components.ply")?, cgim().bits(8).codec(Codec::Raw)),
+        ("genus_5-9-j2k", open("genus_5.ply")?, cgim().bits(9).codec(Codec::J2k)),
+        ("block-12-any-order", open("block.ply")?, cgim().bits(12).keep_order(true)),
+        ("fan-6", fan, cgim().bits(6)),
         ("triangle-4-fast", triangle, cgim().bits(4).effort(Effort::Fast)),
     ])
 }

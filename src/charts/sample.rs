@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::gim::{self, Atlas, Map};
 use crate::judge::FEW_SAMPLES;
 use crate::mesh::{HalfEdges, Mesh, Scalar};
-use crate::options::{Accuracy, Adjust, GimChoices, Grid, Param, Sampling};
+use crate::options::{Accuracy, Adjust, GimChoices, Grid};
 use crate::plane::GeometryImage;
 use crate::task::Task;
 
@@ -33,13 +33,7 @@ const SHARE: f64 = 0.4;
 pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<'_>, task: Task<'_>) -> Result<Found> {
     let triangles = original.faces.triangles();
     let surface = HalfEdges::new(original.positions.len(), triangles)?;
-    let param = match choices.param {
-        Param::Tutte => crate::param::Param::Tutte,
-        Param::MeanValue => crate::param::Param::MeanValue,
-        Param::Yoshizawa => crate::param::Param::Yoshizawa,
-        Param::Stretch => crate::param::Param::Stretch,
-    };
-    let atlas = Atlas::new(&surface, &original.positions, param, &task)?;
+    let atlas = Atlas::new(&surface, &original.positions, choices.param, &task)?;
     let [map] = atlas.maps() else {
         return Err(Error::Parameter(format!(
             "a surface of {} charts, and a file holds one; `--method cgim` stores any mesh",
@@ -47,13 +41,8 @@ pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<
         )));
     };
     task.step(0.3)?;
-    let sampling = match choices.sampling {
-        Sampling::Regular => gim::Sampling::Regular,
-        Sampling::Zhou => gim::Sampling::ZHOU,
-        Sampling::Equalise => gim::Sampling::Equalise,
-    };
     let at = |side: usize| -> Result<GeometryImage> {
-        let image = map.sample(side, sampling, &task)?;
+        let image = map.sample(side, choices.sampling, &task)?;
         match choices.adjust {
             Adjust::None => Ok(image),
             Adjust::Fit | Adjust::Rate => map.adjust(image, gim::Adjust::Fit, &task),

@@ -117,7 +117,7 @@ impl GimFlags {
         choices.sampling = match self.sampling {
             None => choices.sampling,
             Some(Sampling::Regular) => gimc::Sampling::Regular,
-            Some(Sampling::Zhou) => gimc::Sampling::Zhou,
+            Some(Sampling::Zhou) => gimc::Sampling::ZHOU,
             Some(Sampling::Equalise) => gimc::Sampling::Equalise,
         };
         choices.adjust = match self.adjust {

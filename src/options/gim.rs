@@ -2,6 +2,7 @@
 
 use super::{Accuracy, Codec, EncodeOptions, ImageChoices, J2kChoices, Method};
 use crate::error::{Error, Result};
+pub use crate::gim::{Param, Sampling};
 
 /// What may be chosen for geometry images.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -28,34 +29,6 @@ pub enum Grid {
     Auto,
     /// So many; odd for closed surfaces, and best of the form 2^k + 1.
     Side(u32),
-}
-
-/// How a surface is flattened.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Param {
-    /// Every vertex is the mean of its neighbours (Tutte).
-    Tutte,
-    /// Neighbours weigh by mean-value coordinates (Floater).
-    MeanValue,
-    /// Weights are divided by the stretch found, and the system is solved again (Yoshizawa, Belyaev and Seidel).
-    Yoshizawa,
-    /// From there, Newton's method on the stretch.
-    #[default]
-    Stretch,
-}
-
-/// Where the samples of a geometry image are taken.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Sampling {
-    /// At equal distances.
-    #[default]
-    Regular,
-    /// From there drawn towards where vertices are (paper 000's baseline, after Zhou et al.).
-    Zhou,
-    /// On lines between which there are about equally many vertices (paper 000, section 3.1).
-    Equalise,
 }
 
 /// Where the samples of a geometry image are moved.

@@ -37,9 +37,9 @@ pub enum Param {
     MeanValue,
     /// Weights are divided by the stretch found, and the system is solved again (Yoshizawa, Belyaev and Seidel 2004; paper 000's
     /// "geometric-stretch parametrization").
-    #[default]
     Yoshizawa,
     /// From there, Newton's method on stretch and Dirichlet energy.
+    #[default]
     Stretch,
 }
 

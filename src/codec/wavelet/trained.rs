@@ -121,7 +121,8 @@ mod tests {
         let line = |numbers: &[i64]| numbers.iter().map(i64::to_string).collect::<Vec<_>>().join(" ") + "\n";
         let weights = WEIGHTS.iter().flatten().map(|row| line(&row.map(i64::from)));
         let odds = ODDS.iter().flatten().map(|row| line(&row.map(i64::from)));
-        let made: String = ["weights\n".to_owned()].into_iter().chain(weights).chain(["odds\n".to_owned()]).chain(odds).collect();
+        let made: String =
+            ["weights\n".to_owned()].into_iter().chain(weights).chain(["odds\n".to_owned()]).chain(odds).collect();
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("spec/vectors/wavelet.txt");
         if std::env::var_os("GIMC_BLESS").is_some() {
             std::fs::write(&path, &made).unwrap();
