@@ -440,3 +440,21 @@ fn a_reader_that_goes_away_is_no_failure() {
     let Ok(output) = Command::new("bash").args(["-c", &script]).output() else { return };
     assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "0", "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+#[test]
+fn repair_says_what_it_does_and_attributes_are_kept_as_asked() {
+    let folder = Folder::new("repair");
+    let (soup, out, back) = (folder.file("soup.obj"), folder.file("out.gimc"), folder.file("back.obj"));
+    let text = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 0 0\nv 1 0 0\nv 0 0 0.1\nvt 0 0.1\nvt 1 0\nvt 0.3 1\n";
+    std::fs::write(&soup, format!("{text}f 1/1 2/2 3/3\nf 4/2 5/1 6/3\n")).unwrap();
+    let said = done(&["encode", &soup, &out, "--repair", "--uv-bits", "exact", "--bits", "exact"]);
+    assert!(said.err.contains("repair: weld 2 vertices"), "{}", said.err);
+    let info = done(&["info", &out, "--json"]).text();
+    assert_eq!((number(&info, "vertices"), number(&info, "bound")), (4.0, 0.0));
+    assert!(info.contains("\"exact\":true") && info.contains("\"floats bit by bit\""), "{info}");
+    done(&["decode", &out, &back]);
+    let text = std::fs::read_to_string(&back).unwrap();
+    assert!(["v 0 0 0.1\n", "vt 0 0.1\n", "vt 0.3 1\n"].iter().all(|line| text.contains(line)), "{text}");
+    let said = gimc(&["encode", &soup, &out, "--weld", "0.1"]);
+    assert_eq!(said.code, 2, "welding is part of repairing");
+}
