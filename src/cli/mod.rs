@@ -43,6 +43,7 @@ struct Cli {
 }
 
 #[derive(Debug, Subcommand)]
+#[allow(clippy::large_enum_variant)] // there is one, once
 enum Command {
     Encode(Box<encode::Encode>),
     Decode(decode::Decode),

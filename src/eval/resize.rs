@@ -23,9 +23,12 @@ pub fn surface_of(image: &GeometryImage) -> Mesh {
 /// Meshes that are no disk and no closed surface of genus 0; [`Error::Cancelled`].
 pub fn image_of(mesh: &Mesh, side: usize, task: &Task<'_>) -> Result<GeometryImage> {
     let mut images = Resample::new(side).images(mesh, task)?;
-    match (images.pop(), images.len()) {
-        (Some(image), 0) => Ok(image),
-        (_, more) => Err(Error::Parameter(format!("the mesh becomes {} geometry images, 1 expected", more + 1))),
+    match (images.len(), images.pop()) {
+        (1, Some(image)) => Ok(image),
+        (count, _) => {
+            let why = format!("a mesh of {count} components becomes as many geometry images, and 1 is resized at a time");
+            Err(Error::Parameter(why))
+        }
     }
 }
 
