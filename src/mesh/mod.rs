@@ -8,7 +8,7 @@ mod cut;
 mod front;
 pub(crate) mod half_edge;
 pub(crate) mod io;
-#[cfg(feature = "png")]
+#[cfg(any(feature = "png", feature = "encode"))]
 mod normals;
 mod orient;
 mod polygon_mesh;
@@ -24,7 +24,7 @@ pub(crate) use cut::{CutGraph, Paths, part};
 pub(crate) use front::Front;
 pub(crate) use half_edge::{HalfEdges, NONE, next, prev};
 pub use io::{Format, Loaded};
-#[cfg(feature = "png")]
+#[cfg(any(feature = "png", feature = "encode"))]
 pub(crate) use normals::vertex_normals;
 pub use polygon_mesh::{Faces, Mesh};
 pub use repair::{Repair, Repaired};
