@@ -171,3 +171,19 @@ fn without_loss_the_vertices_of_a_thousand_meshes_are_found_again() {
     // Shrinking bends vertices so that two of their runs in one row hang together only below.
     assert!((300..1000).contains(&shrunk), "{shrunk} of 1000 shrunk images");
 }
+
+#[test]
+fn a_vertex_may_leave_a_column_and_come_back() {
+    let returns = (0..200).any(|seed| {
+        let mut random = Random::new(seed, 11);
+        let mesh = Growing::triangle().grow_disk(60, &mut random).half_edges();
+        let image = image(&mesh, &Search { seed, ..Search::default() }, &Task::default()).unwrap();
+        let counts = run_counts(&image.matrix, &image.side.blocks);
+        (0..image.matrix.columns()).any(|j| {
+            let column = (0..image.matrix.rows()).map(|i| image.matrix.row(i)[j]);
+            let different = column.collect::<BTreeSet<_>>().len() as u32;
+            different < counts.columns[j] + 1
+        })
+    });
+    assert!(returns, "then the number of different elements would be the number of runs");
+}

@@ -8,7 +8,7 @@ pub mod seal;
 pub mod worn;
 
 use corpus_make::Shape;
-use gimc::{Decoder, Effort, EncodeOptions, Error, Format, Limits, Mesh};
+use gimc::{Boundaries, Codec, Decoder, Effort, EncodeOptions, Error, Format, J2kChoices, Limits, Mesh, Quality};
 
 pub use same::assert_same;
 
@@ -78,6 +78,61 @@ pub fn roundtrip(bytes: &[u8]) {
     let shape = corpus_make::any(u64::from_le_bytes(seed), 20 + 4 * usize::from(choice(10, 255)));
     let effort = [Effort::Fast, Effort::Default, Effort::Best][usize::from(choice(9, 3))];
     roundtrip_of(&shape, 1 + u32::from(choice(8, 24)), effort);
+}
+
+/// Keeps a mesh that the bytes choose as an image of vertices (any codec, any form of its borders), decodes the file,
+/// compares slowly, and decodes it again with what is left of the bytes written over parts of it.
+///
+/// # Panics
+/// If another mesh comes back, or the decoder breaks a promise.
+pub fn image(bytes: &[u8]) {
+    let choice = |i: usize, of: u8| bytes.get(i).map_or(0, |b| b % of);
+    let shape = corpus_make::any(u64::from(choice(0, 255)), 4 + usize::from(choice(1, 120)));
+    let mesh = Mesh::from_triangles(shape.positions.clone(), shape.triangles.iter().copied());
+    let bits = 1 + u32::from(choice(2, 12));
+    let mut options = EncodeOptions::cgim().bits(bits).effort(Effort::Fast);
+    let kind = choice(3, 7);
+    options.codec = [Codec::Mbcim, Codec::Mbcim, Codec::Raw, Codec::Raw, Codec::J2k, Codec::J2k, Codec::J2k][usize::from(kind)];
+    match kind {
+        0 => options.image.stages = vec![1 + choice(4, 3); usize::from(choice(5, 3))],
+        1 | 3 => options.image.paper = true,
+        _ => options.image.search = 1 + usize::from(choice(4, 3)),
+    }
+    if kind >= 2 && choice(5, 2) == 1 {
+        options.image.normals = Some(2 + choice(4, 8));
+    }
+    let mut j2k = J2kChoices::default();
+    if kind >= 5 {
+        j2k.boundaries = Boundaries::Implied;
+    }
+    if kind == 6 || kind == 4 && choice(6, 2) == 1 {
+        j2k.quality = Quality::BitsPerPixel(1.0 + f64::from(choice(7, 20)));
+    }
+    options = options.j2k(j2k);
+    let file = match options.encode(&mesh) {
+        Ok(file) => file,
+        // Rates may be too low for a stream, and stages finer than the coordinates.
+        Err(Error::Parameter(_)) => return,
+        Err(error) => panic!("a manifold mesh of {} faces was refused: {error}", shape.triangles.len()),
+    };
+    let back = match Decoder::new(&file).and_then(|decoder| decoder.decode()) {
+        Ok(back) => back,
+        Err(error) => panic!("the file cannot be decoded: {error}"),
+    };
+    if j2k.quality == Quality::Lossless {
+        assert_same(&on_lattice(&shape, bits), &back);
+    }
+    let hostile = seal::changed(&file, |chunks| {
+        for change in bytes.get(8..).unwrap_or(&[]).chunks_exact(4) {
+            let at = chunks.len() - 1 - usize::from(change[0]) % (chunks.len() - 1).max(1);
+            let payload = &mut chunks[at].1;
+            let place = (usize::from(change[1]) | usize::from(change[2]) << 8) % payload.len().max(1);
+            if let Some(byte) = payload.get_mut(place) {
+                *byte = change[3];
+            }
+        }
+    });
+    drop(decode(&hostile));
 }
 
 /// Encodes a mesh with so many bits, decodes it, and compares slowly.

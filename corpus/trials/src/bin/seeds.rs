@@ -9,7 +9,7 @@ use gimc::{Effort, EncodeOptions, Format, Mesh};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("use: seeds FOLDER")?;
     let folder = Path::new(&folder);
-    for target in ["decode", "sealed", "beside", "obj", "ply", "off", "stl", "glb", "roundtrip"] {
+    for target in ["decode", "sealed", "beside", "obj", "ply", "off", "stl", "glb", "roundtrip", "mbcim"] {
         std::fs::create_dir_all(folder.join(target))?;
     }
     for seed in 0..24_u64 {
@@ -28,6 +28,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             mesh.write(format, &mut bytes)?;
             std::fs::write(folder.join(format!("{format}/{seed}")), bytes)?;
         }
+        std::fs::write(
+            folder.join(format!("mbcim/{seed}")),
+            [seed as u8, 40, 8, seed as u8, 1, seed as u8, 1, 9, 0, 30, 0, 1],
+        )?;
         let choices = [&seed.to_le_bytes()[..], &[seed as u8, seed as u8, 10]].concat();
         std::fs::write(folder.join(format!("roundtrip/{seed}")), choices)?;
     }
