@@ -24,6 +24,8 @@ impl EncodeOptions {
         let choice = match (self.codec, self.j2k.boundaries) {
             (Codec::J2k, Boundaries::Implied) => BorderChoice::Implied,
             (Codec::J2k, Boundaries::Exact) if self.j2k.quality != Quality::Lossless => BorderChoice::Exact,
+            // Removing rows as printed may leave a vertex in several places, which colours would not show.
+            _ if self.image.paper => BorderChoice::Exact,
             _ => BorderChoice::Colours,
         };
         let vertex = |v: u32| source.front.vertex[v as usize];
