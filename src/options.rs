@@ -330,7 +330,9 @@ impl EncodeOptions {
             return refuse("an image made as the paper makes it needs a codec that stores it: mbcim, raw, exr or j2k");
         }
         if self.image.paper && self.j2k.boundaries == Boundaries::Implied {
-            return refuse("the cluster phase needs an image whose vertices hang together, and one made as the paper makes it may have others");
+            return refuse(
+                "the cluster phase needs an image whose vertices hang together, and one made as the paper makes it may have others",
+            );
         }
         if self.image.normals.is_some() && (is_surface || self.codec == Codec::Mbcim) {
             return refuse("planes of normals are for the codecs raw, exr and j2k");
