@@ -385,6 +385,10 @@ fn inspect_names_faults_in_plain_words_and_in_json() {
     let said = gimc(&["encode", &bad, &folder.file("out.gimc")]);
     assert_eq!(said.code, 1);
     assert!(said.err.contains("vertex 2 has a coordinate that is not a finite number"), "{}", said.err);
+    let said = gimc(&["inspect", &mesh("sphere.ply"), &folder.file("none.obj"), &mesh("torus_with_holes.ply")]);
+    assert_eq!(said.code, 1, "one of several files is not there");
+    assert!(said.err.contains("none.obj: there is no such file"), "{}", said.err);
+    assert!(said.text().contains("sphere.ply\n") && said.text().contains("torus_with_holes.ply\n"), "{}", said.text());
     let good = done(&["inspect", &mesh("torus_with_holes.ply"), "--json"]).text();
     assert_eq!((number(&good, "genus"), number(&good, "boundary_loops"), number(&good, "components")), (1.0, 5.0, 1.0));
 }

@@ -289,9 +289,10 @@ fn ply_mesh() -> impl Strategy<Value = Mesh> {
         .prop_flat_map(|n| (numbers(3 * n), polygons(n.max(1)), Just(n)))
         .prop_flat_map(move |((precision, coordinates), faces, n)| {
             let mesh = bare(n, precision, &coordinates, if n == 0 { &[] } else { &faces });
+            // Boxed: such large trees of strategies are too much for the stack of a test.
             let records = [Domain::Vertex, Domain::Face].map(|domain| {
                 let count = mesh.count(domain);
-                on_records.map(|(_, _, width)| weighted(0.3, numbers(width * count)))
+                on_records.map(|(_, _, width)| weighted(0.3, numbers(width * count)).boxed())
             });
             let sizes = mesh.faces.iter().map(<[u32]>::len).collect::<Vec<_>>();
             let corners = on_corners.map(|(_, _, width)| {
@@ -304,7 +305,7 @@ fn ply_mesh() -> impl Strategy<Value = Mesh> {
                     let count = has.iter().filter(|&&has| has).count();
                     (numbers(width * count), Just(has))
                 });
-                weighted(0.3, list)
+                weighted(0.3, list).boxed()
             });
             (Just(mesh), records, corners)
         })
