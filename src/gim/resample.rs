@@ -46,7 +46,7 @@ pub struct Resample {
 impl Resample {
     /// Yoshizawa's parametrisation, regular samples that stay where they are.
     pub fn new(side: usize) -> Self {
-        Self { side, param: Param::default(), sampling: Sampling::default(), adjust: Adjustment::default() }
+        Self { side, param: Param::Yoshizawa, sampling: Sampling::default(), adjust: Adjustment::default() }
     }
 
     /// The same with another parametrisation.
