@@ -8,7 +8,9 @@ mod logistic;
 mod mix;
 mod model;
 mod range;
+mod residual;
 
 pub(crate) use mix::{Mixer, MixerOptions, Start, hash};
 pub(crate) use model::{AdaptiveBit, Numbers};
 pub(crate) use range::{BitCoder, BitReader, BitWriter};
+pub(crate) use residual::Residuals;

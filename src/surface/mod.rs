@@ -16,7 +16,6 @@ mod original;
 mod plain;
 pub(crate) mod records;
 pub(crate) mod renumber;
-mod residual;
 mod stretch;
 mod topology;
 mod valence;

@@ -5,10 +5,9 @@
 //! spec/surface.md, "Positions, fast".
 
 use super::order::Order;
-use super::residual::Residuals;
 use super::stretch::Stretch;
 use super::topology::turn;
-use crate::entropy::{BitCoder, hash};
+use crate::entropy::{BitCoder, Residuals, hash};
 use crate::error::{Error, Place, Result};
 use crate::mesh::half_edge::{next, prev};
 use crate::task::Task;

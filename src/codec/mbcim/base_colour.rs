@@ -9,8 +9,7 @@
 use std::collections::VecDeque;
 
 use super::meeting::Meetings;
-use super::residual::Residuals;
-use crate::entropy::{BitCoder, hash};
+use crate::entropy::{BitCoder, Residuals, hash};
 use crate::error::{Error, Place, Result};
 use crate::task::Task;
 

@@ -7,7 +7,6 @@ pub(crate) mod base_colour;
 pub(crate) mod index_map;
 pub(crate) mod ladder;
 mod meeting;
-mod residual;
 pub(crate) mod stage;
 
 pub(crate) use meeting::Meetings;

@@ -1,6 +1,6 @@
 //! One coordinate: its distance from the expected value, in steps of the lattice or of a palette.
 //!
-//! The decisions are those of [`residual`](super::super::residual): zero, sign, class, and the bits
+//! The decisions are those of [`Residuals`](crate::entropy::Residuals): zero, sign, class, and the bits
 //! below the class. Here each of them is also judged by densities that know where the expected value
 //! lies between two lattice points.
 

@@ -4,7 +4,9 @@
 //! 2ʲ − 1 ≤ m ≤ 2ʲ⁺¹ − 2 in unary, and the j bits of m below the class, highest first. Zero, sign and
 //! class are mixed from all contexts; the two highest bits have a model by class; the rest are plain.
 
-use crate::entropy::{AdaptiveBit, BitCoder, Mixer, MixerOptions, Start};
+use super::mix::{Mixer, MixerOptions, Start};
+use super::model::AdaptiveBit;
+use super::range::BitCoder;
 
 /// Classes that have decisions of their own; later ones share the last.
 const CLASSES: usize = 14;
@@ -13,26 +15,26 @@ const LAST_CLASS: u32 = 31;
 
 /// Codes residuals with `N` contexts.
 #[derive(Debug)]
-pub(super) struct Residuals<const N: usize> {
+pub(crate) struct Residuals<const N: usize> {
     mixer: Mixer<N, 0>,
     /// By axis, class, and the bit before: the two highest bits of the magnitude.
     high: Vec<[AdaptiveBit; 3]>,
 }
 
 impl<const N: usize> Residuals<N> {
-    pub(super) fn new(vertices: usize) -> Self {
+    pub(crate) fn new(vertices: usize) -> Self {
         let options = MixerOptions { lines_log2: lines_log2(vertices), rate_shift: 5, count_limit: 60 };
         Self { mixer: Mixer::new(options, &[Start::even(25); 3]), high: vec![[AdaptiveBit::default(); 3]; 3 * CLASSES] }
     }
 
     /// The memory that so many vertices need.
-    pub(super) fn memory(vertices: usize) -> u64 {
+    pub(crate) fn memory(vertices: usize) -> u64 {
         Mixer::<N, 0>::memory(lines_log2(vertices))
     }
 
     /// Codes a residual of one axis.
     #[inline]
-    pub(super) fn code<C: BitCoder>(&mut self, coder: &mut C, residual: i32, axis: usize, contexts: [u32; N]) -> i32 {
+    pub(crate) fn code<C: BitCoder>(&mut self, coder: &mut C, residual: i32, axis: usize, contexts: [u32; N]) -> i32 {
         self.mixer.choose(contexts, axis);
         if self.mixer.code(coder, residual == 0, 0, []) {
             return 0;
