@@ -2,7 +2,7 @@
 //!
 //! The measures are those of `eval`, by the same samples; the original's tree is built once.
 
-use crate::distance::{Frame, SampleOptions, Surface, certify, sample};
+use crate::distance::{Frame, SampleOptions, Sampled, Surface, certify, sample, sample_spread};
 use crate::error::{Error, MeshDefect, Result};
 use crate::geom::Aabb;
 use crate::mesh::Mesh;
@@ -28,11 +28,16 @@ pub(crate) struct Measured {
 const SAMPLES: usize = 200_000;
 const SAMPLES_A_TRIANGLE: usize = 10;
 /// What a search takes of the surface with more: psnr by these is right to some hundredths of a dB.
-pub(crate) const FEW_SAMPLES: usize = 60_000;
+const FEW_SAMPLES: usize = 60_000;
 /// The seed of `eval::CompareOptions`.
 const SEED: u64 = 1;
 /// Where the formula would say infinity.
 const PSNR_OF_EQUALS: f64 = 999.0;
+
+/// How many samples of a surface `eval::compare` takes.
+fn samples_of(surface: &Surface) -> usize {
+    SAMPLES.max(SAMPLES_A_TRIANGLE * surface.triangles().len())
+}
 
 impl Judge {
     pub(crate) fn new(original: &Mesh) -> Result<Self> {
@@ -50,22 +55,49 @@ impl Judge {
         self.diagonal
     }
 
-    /// Measures a decoded mesh by as many samples as `eval::compare`, or by `few` on the surface with more.
-    pub(crate) fn measure(&self, decoded: &Mesh, few: Option<usize>, task: Task<'_>) -> Result<Measured> {
+    /// Measures a decoded mesh by as many samples as `eval::compare`.
+    pub(crate) fn measure(&self, decoded: &Mesh, task: Task<'_>) -> Result<Measured> {
         let decoded = self.surface(decoded)?;
-        let many = |surface: &Surface| SAMPLES.max(SAMPLES_A_TRIANGLE * surface.triangles().len());
-        let most = many(&self.original).max(many(&decoded));
-        // Both surfaces weigh as they do with all samples.
-        let share = few.map_or(1.0, |few| few.min(most) as f64 / most as f64);
-        let sampled = |from: &Surface, to: &Surface| {
-            let samples = ((many(from) as f64 * share) as usize).max(1);
-            sample(from, to, SampleOptions { samples, seed: SEED }, &task)
-        };
-        let (there, back) = (sampled(&self.original, &decoded)?, sampled(&decoded, &self.original)?);
+        let [there, back] = self.both_ways(&decoded, 1.0, |from, to, options| sample(from, to, options, &task))?;
+        Ok(Measured { psnr: self.psnr_of(there, back), hausdorff: self.frame.length_outside(there.max.max(back.max)) })
+    }
+
+    /// The psnr by few samples: off by some hundredths of a dB, and by about the same for surfaces that are nearly the same.
+    pub(crate) fn psnr(&self, decoded: &Mesh, task: Task<'_>) -> Result<f64> {
+        let decoded = self.surface(decoded)?;
+        let share = self.share_of_few(&decoded);
+        let [there, back] = self.both_ways(&decoded, share, |from, to, options| sample_spread(from, to, options, &task))?;
+        Ok(self.psnr_of(there, back))
+    }
+
+    /// The greatest distance of few samples and of all vertices.
+    pub(crate) fn hausdorff(&self, decoded: &Mesh, task: Task<'_>) -> Result<f64> {
+        let decoded = self.surface(decoded)?;
+        let share = self.share_of_few(&decoded);
+        let [there, back] = self.both_ways(&decoded, share, |from, to, options| sample(from, to, options, &task))?;
+        Ok(self.frame.length_outside(there.max.max(back.max)))
+    }
+
+    /// The share of all samples that is few; both surfaces then weigh as they do with all.
+    fn share_of_few(&self, decoded: &Surface) -> f64 {
+        let most = samples_of(&self.original).max(samples_of(decoded));
+        FEW_SAMPLES.min(most) as f64 / most as f64
+    }
+
+    fn both_ways(
+        &self,
+        decoded: &Surface,
+        share: f64,
+        measure: impl Fn(&Surface, &Surface, SampleOptions) -> Result<Sampled>,
+    ) -> Result<[Sampled; 2]> {
+        let options = |from| SampleOptions { samples: ((samples_of(from) as f64 * share) as usize).max(1), seed: SEED };
+        Ok([measure(&self.original, decoded, options(&self.original))?, measure(decoded, &self.original, options(decoded))?])
+    }
+
+    fn psnr_of(&self, there: Sampled, back: Sampled) -> f64 {
         let rms = ((there.sum2 + back.sum2) / (there.samples + back.samples) as f64).sqrt();
         let rms = self.frame.length_outside(rms);
-        let psnr = if rms <= self.diagonal * 1e-15 { PSNR_OF_EQUALS } else { 20.0 * (self.diagonal / rms).log10() };
-        Ok(Measured { psnr, hausdorff: self.frame.length_outside(there.max.max(back.max)) })
+        if rms <= self.diagonal * 1e-15 { PSNR_OF_EQUALS } else { 20.0 * (self.diagonal / rms).log10() }
     }
 
     /// A distance beyond which no point of either surface is from the other; `seen` is one that was measured.

@@ -6,6 +6,8 @@
 #[cfg(all(feature = "png", feature = "exr"))]
 mod picture;
 #[cfg(feature = "encode")]
+mod psnr;
+#[cfg(feature = "encode")]
 mod sample;
 #[cfg(feature = "encode")]
 mod search;
@@ -15,7 +17,7 @@ mod write;
 #[cfg(feature = "encode")]
 pub(crate) use sample::sample;
 #[cfg(feature = "encode")]
-pub(crate) use search::{Aim, polish, search};
+pub(crate) use search::{Aim, finish, search};
 #[cfg(feature = "encode")]
 pub(crate) use write::How;
 

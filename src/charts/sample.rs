@@ -5,12 +5,11 @@
 //! search for the step, since what is cheap depends on the step.
 
 use super::mesh;
-use super::search::{Aim, Found, polish, search};
+use super::search::{Aim, Found, finish, search};
 use super::write::How;
 use crate::codec::wavelet::shrink;
 use crate::error::{Error, Result};
 use crate::gim::{self, Atlas, Map};
-use crate::judge::FEW_SAMPLES;
 use crate::mesh::{HalfEdges, Mesh, Scalar};
 use crate::options::{Accuracy, Adjust, GimChoices, Grid};
 use crate::plane::GeometryImage;
@@ -41,33 +40,45 @@ pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<
         )));
     };
     task.step(0.3)?;
-    let at = |side: usize| -> Result<GeometryImage> {
-        let image = map.sample(side, choices.sampling, &task)?;
+    let plain = |side: usize| map.sample(side, choices.sampling, &task);
+    let adjusted = |image: GeometryImage| -> Result<GeometryImage> {
         match choices.adjust {
             Adjust::None => Ok(image),
             Adjust::Fit | Adjust::Rate => map.adjust(image, gim::Adjust::Fit, &task),
             Adjust::Hausdorff => map.adjust(image, gim::Adjust::Hausdorff, &task),
         }
     };
-    let image = match choices.grid {
-        Grid::Side(side) => at(side as usize)?,
-        Grid::Auto => choose(at, aim, how, task)?,
+    let cheapest = |image: GeometryImage| -> Result<Found> {
+        task.step(0.5)?;
+        let mut found = search(&image, how, aim, None)?;
+        let mut best = image;
+        if choices.adjust == Adjust::Rate {
+            let mut image = best.clone();
+            for turn in 0..TURNS {
+                task.step(0.6 + 0.15 * turn as f64)?;
+                image = cheaper(map, image, found.step, task)?;
+                let other = search(&image, how, aim, Some(found.step))?;
+                if aim.prefers(&other, &found)? {
+                    (found, best) = (other, image.clone());
+                }
+            }
+        }
+        finish(&best, how, aim, found)
     };
-    task.step(0.5)?;
-    let mut found = search(&image, how, aim, task)?;
-    let mut best = image;
-    if choices.adjust == Adjust::Rate {
-        let mut image = best.clone();
-        for turn in 0..TURNS {
-            task.step(0.6 + 0.15 * turn as f64)?;
-            image = cheaper(map, image, found.step, task)?;
-            let other = search(&image, how, aim, task)?;
-            if aim.prefers(&other, &found)? {
-                (found, best) = (other, image.clone());
+    match choices.grid {
+        Grid::Side(side) => cheapest(adjusted(plain(side as usize)?)?),
+        Grid::Auto => {
+            let mut sides = &SIDES[..];
+            loop {
+                let (image, finer) = choose(plain, adjusted, sides, aim, how, task)?;
+                match cheapest(image) {
+                    // The surface was good enough, but rounding it was not.
+                    Err(Error::Parameter(_)) if !finer.is_empty() => sides = finer,
+                    other => return other,
+                }
             }
         }
     }
-    polish(&best, how, aim, found)
 }
 
 /// The image with its samples where they cost less at a step.
@@ -76,24 +87,43 @@ fn cheaper(map: &Map, image: GeometryImage, step: f64, task: Task<'_>) -> Result
     map.adjust(image, gim::Adjust::Rate { shrink: &shrink, rounds: ROUNDS }, &task)
 }
 
-/// The coarsest image that is good enough for the target.
-fn choose(at: impl Fn(usize) -> Result<GeometryImage>, aim: &Aim<'_>, how: How, task: Task<'_>) -> Result<GeometryImage> {
+/// What moving samples may be worth, in dB.
+const ADJUSTING: f64 = 9.0;
+
+/// The coarsest image of some sides that is good enough for the target, and the sides beyond.
+fn choose<'a>(
+    plain: impl Fn(usize) -> Result<GeometryImage>,
+    adjusted: impl Fn(GeometryImage) -> Result<GeometryImage>,
+    sides: &'a [usize],
+    aim: &Aim<'_>,
+    how: How,
+    task: Task<'_>,
+) -> Result<(GeometryImage, &'a [usize])> {
+    let judge = aim.judge;
+    let wanted = wanted_psnr(aim) + HEADROOM;
+    let psnr = |image: &GeometryImage| judge.psnr(&mesh(image, Scalar::F64)?, task);
     let enough = |image: &GeometryImage| -> Result<bool> {
-        let found = aim.judge.measure(&mesh(image, Scalar::F64)?, Some(FEW_SAMPLES), task)?;
-        Ok(match aim.accuracy {
-            Accuracy::Error(bound) => found.hausdorff <= ERROR_BEFORE * bound,
-            Accuracy::RelativeError(share) => found.hausdorff <= ERROR_BEFORE * share * aim.judge.diagonal(),
-            _ => found.psnr >= wanted_psnr(aim) + HEADROOM,
-        })
+        let bound = match aim.accuracy {
+            Accuracy::Error(bound) => bound,
+            Accuracy::RelativeError(share) => share * judge.diagonal(),
+            _ => return Ok(psnr(image)? >= wanted),
+        };
+        Ok(judge.hausdorff(&mesh(image, Scalar::F64)?, task)? <= ERROR_BEFORE * bound)
     };
+    let by_psnr = !matches!(aim.accuracy, Accuracy::Error(_) | Accuracy::RelativeError(_) | Accuracy::Size(_));
     let mut best: Option<(GeometryImage, Found)> = None;
     let mut last = None;
-    for side in SIDES {
+    for (i, &side) in sides.iter().enumerate() {
         task.step(0.4)?;
-        let image = at(side)?;
+        let image = plain(side)?;
+        let finer = &sides[i + 1..];
+        if by_psnr && !finer.is_empty() && psnr(&image)? + ADJUSTING < wanted {
+            continue;
+        }
+        let image = adjusted(image)?;
         if let Accuracy::Size(_) = aim.accuracy {
             // The side at which so many bytes buy the best psnr.
-            let found = search(&image, how, aim, task);
+            let found = search(&image, how, aim, None);
             let Ok(found) = found else { break };
             match &best {
                 Some((_, other)) if !aim.prefers(&found, other)? => break,
@@ -102,12 +132,12 @@ fn choose(at: impl Fn(usize) -> Result<GeometryImage>, aim: &Aim<'_>, how: How, 
             continue;
         }
         let done = enough(&image)?;
-        last = Some(image);
+        last = Some((image, finer));
         if done {
             break;
         }
     }
-    let chosen = best.map(|(image, _)| image).or(last);
+    let chosen = best.map(|(image, _)| (image, &sides[..0])).or(last);
     chosen.ok_or_else(|| Error::Parameter("no grid fits so few bytes".into()))
 }
 

@@ -1,8 +1,9 @@
 //! The step that meets a target: as large as a psnr or a bound on the error allows, or as small as a size allows.
 
+use super::psnr;
 use super::write::{Coded, How};
 use crate::error::{Error, Result};
-use crate::judge::{FEW_SAMPLES, Judge};
+use crate::judge::{Judge, Measured};
 use crate::options::Accuracy;
 use crate::plane::GeometryImage;
 use crate::task::Task;
@@ -19,38 +20,53 @@ pub(crate) struct Aim<'a> {
 pub(crate) struct Found {
     pub(crate) coded: Coded,
     pub(crate) step: f64,
+    /// Its psnr by few samples, where that was aimed at.
+    pub(super) psnr: f64,
+    /// What it is by many, if that is known.
+    pub(super) measured: Option<Measured>,
+}
+
+impl Found {
+    pub(super) fn new(coded: Coded, step: f64) -> Self {
+        Self { coded, step, psnr: f64::NAN, measured: None }
+    }
 }
 
 impl Aim<'_> {
     /// Whether one result is better than another that meets the same target.
     pub(crate) fn prefers(&self, new: &Found, old: &Found) -> Result<bool> {
-        let psnr =
-            |found: &Found| -> Result<f64> { Ok(self.judge.measure(&found.coded.mesh()?, Some(FEW_SAMPLES), self.task)?.psnr) };
-        match self.accuracy {
-            Accuracy::Size(_) => Ok(psnr(new)? > psnr(old)?),
+        let psnr = |found: &Found| -> Result<f64> { self.judge.psnr(&found.coded.mesh()?, self.task) };
+        let size = |found: &Found| found.coded.size(self.history) as f64;
+        Ok(match self.accuracy {
+            Accuracy::Size(_) => psnr(new)? > psnr(old)?,
+            Accuracy::Psnr(target) => {
+                let at_target = |found: &Found| size(found) * (BYTES_A_DB * (target - found.psnr)).exp();
+                at_target(new) < at_target(old)
+            }
             // Nothing else is asked for than fewer bytes.
-            _ => Ok(new.coded.size(self.history) < old.coded.size(self.history)),
-        }
+            _ => size(new) < size(old),
+        })
     }
 
     /// The file of what was found, with its measures by many samples.
     pub(crate) fn file(&self, found: &Found) -> Result<Vec<u8>> {
         self.task.step(0.9)?;
         let decoded = found.coded.mesh()?;
-        let measured = self.judge.measure(&decoded, None, self.task)?;
+        let measured = match found.measured {
+            Some(measured) => measured,
+            None => self.judge.measure(&decoded, self.task)?,
+        };
         let bound = self.judge.bound(&decoded, measured.hausdorff, self.task)?;
         Ok(found.coded.file(Some(measured.psnr), Some(bound), self.history))
     }
 }
 
+/// A dB more is about this share more bytes (as a logarithm).
+const BYTES_A_DB: f64 = 0.1;
 /// Trials of a search.
 const TRIALS: i32 = 14;
 /// Steps this near to each other are the same to a file.
 const NEAR: f64 = 1.006;
-/// A psnr this much above the target is near enough, in dB.
-const SLACK: f64 = 0.02;
-/// This near to the target a psnr by few samples is not enough, in dB.
-const UNSURE: f64 = 0.2;
 /// Of the bytes that are allowed, this share may stay unused.
 const UNUSED: f64 = 0.995;
 
@@ -64,11 +80,10 @@ enum Verdict {
     Done,
 }
 
-/// Codes an image as the aim asks for.
-pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, task: Task<'_>) -> Result<Found> {
-    let Aim { accuracy, judge, history, .. } = *aim;
+/// Codes an image as the aim asks for; a psnr is met nearly, until it is [finished](finish). `start` is a step that may be near.
+pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, start: Option<f64>) -> Result<Found> {
+    let Aim { accuracy, judge, history, task } = *aim;
     let diagonal = judge.diagonal();
-    let few = |coded: &Coded| judge.measure(&coded.mesh()?, Some(FEW_SAMPLES), task);
     let longest = longest_side(image);
     let (coded, step) = match accuracy {
         Accuracy::Step(step) => (how.code(image, step, task)?, step),
@@ -76,29 +91,7 @@ pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, task: Task<
             let step = longest.max(f64::MIN_POSITIVE) / f64::from((1_u32 << bits) - 1);
             (how.code(image, step, task)?, step)
         }
-        Accuracy::Psnr(target) => {
-            let judged = |coded: &Coded| {
-                let decoded = coded.mesh()?;
-                let mut found = judge.measure(&decoded, Some(FEW_SAMPLES), task)?.psnr;
-                if (found - target).abs() < UNSURE {
-                    found = judge.measure(&decoded, None, task)?.psnr;
-                }
-                let more = 10_f64.powf((found - target) / 20.0);
-                Ok(match found {
-                    p if p < target => Verdict::Bad(more),
-                    p if p < target + SLACK => Verdict::Done,
-                    _ => Verdict::Fine(more),
-                })
-            };
-            // A sample moves in three directions, and the surface feels one of them.
-            let start = 4.0 * diagonal / 10_f64.powf(target / 20.0);
-            bisect(start, |step| how.code(image, step, task), judged, task)?.ok_or_else(|| {
-                Error::Parameter(format!(
-                    "a psnr of {target} dB cannot be reached with an image of {}: take a larger grid",
-                    image.shape()
-                ))
-            })?
-        }
+        Accuracy::Psnr(target) => return psnr::search(image, how, aim, target, start),
         Accuracy::Size(bytes) => {
             let judged = |coded: &Coded| {
                 let size = coded.size(history);
@@ -120,7 +113,7 @@ pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, task: Task<
                 _ => 0.0,
             };
             let judged = |coded: &Coded| {
-                let seen = few(coded)?.hausdorff;
+                let seen = judge.hausdorff(&coded.mesh()?, task)?;
                 if seen > bound {
                     return Ok(Verdict::Bad(bound / seen));
                 }
@@ -143,25 +136,15 @@ pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, task: Task<
             return Err(Error::Parameter(why.into()));
         }
     };
-    Ok(Found { coded, step })
+    Ok(Found::new(coded, step))
 }
 
-/// Larger steps that happen to be fine too: what few coefficients become depends on the step like on dice.
-const THROWS: i32 = 6;
-const THROW: f64 = 1.009;
-
-/// The same for a psnr with fewer bytes, if a slightly larger step has the luck.
-pub(crate) fn polish(image: &GeometryImage, how: How, aim: &Aim<'_>, found: Found) -> Result<Found> {
-    let Accuracy::Psnr(target) = aim.accuracy else { return Ok(found) };
-    let (start, mut best) = (found.step, found);
-    for throw in 1..=THROWS {
-        let step = start * THROW.powi(throw);
-        let other = Found { coded: how.code(image, step, aim.task)?, step };
-        if aim.prefers(&other, &best)? && aim.judge.measure(&other.coded.mesh()?, None, aim.task)?.psnr >= target {
-            best = other;
-        }
+/// What a search found, as near to the target as it can be, and not below.
+pub(crate) fn finish(image: &GeometryImage, how: How, aim: &Aim<'_>, found: Found) -> Result<Found> {
+    match aim.accuracy {
+        Accuracy::Psnr(target) => psnr::finish(image, how, aim, target, found),
+        _ => Ok(found),
     }
-    Ok(best)
 }
 
 fn longest_side(image: &GeometryImage) -> f64 {

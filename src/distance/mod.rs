@@ -8,4 +8,4 @@ mod sampled;
 
 pub(crate) use certified::certify;
 pub(crate) use directed::{Frame, Surface};
-pub(crate) use sampled::{SampleOptions, Sampled, sample};
+pub(crate) use sampled::{SampleOptions, Sampled, sample, sample_spread};

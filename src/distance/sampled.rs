@@ -87,6 +87,19 @@ fn degrees_between(m: DVec3, n: DVec3) -> f64 {
 /// # Errors
 /// Only if the task is over.
 pub(crate) fn sample(from: &Surface, to: &Surface, options: SampleOptions, task: &Task<'_>) -> Result<Sampled> {
+    let mut sums = sample_spread(from, to, options, task)?;
+    sums.max = sums.max.max(greatest_at_vertices(from, to));
+    if task.is_over() {
+        return Err(Error::Cancelled);
+    }
+    Ok(sums)
+}
+
+/// The same at the evenly spread points alone.
+///
+/// # Errors
+/// Only if the task is over.
+pub(crate) fn sample_spread(from: &Surface, to: &Surface, options: SampleOptions, task: &Task<'_>) -> Result<Sampled> {
     let triangles = from.triangles();
     let mut total = 0.0;
     // Where each triangle's share of the whole area ends.
@@ -140,7 +153,6 @@ pub(crate) fn sample(from: &Surface, to: &Surface, options: SampleOptions, task:
     for part in parts {
         sums.add(part);
     }
-    sums.max = sums.max.max(greatest_at_vertices(from, to));
     if task.is_over() {
         return Err(Error::Cancelled);
     }

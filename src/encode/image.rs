@@ -45,8 +45,8 @@ impl EncodeOptions {
         };
         let how = charts::How { codec: self.codec, precision };
         let aim = self.aim(&judge, task);
-        let found = charts::search(image, how, &aim, task)?;
-        let found = charts::polish(image, how, &aim, found)?;
+        let found = charts::search(image, how, &aim, None)?;
+        let found = charts::finish(image, how, &aim, found)?;
         Self::encoded(aim.file(&found)?, original.map_or(Vec::new(), notes))
     }
 
