@@ -110,8 +110,10 @@ pub(super) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, target: f64
 /// Larger steps that happen to be fine too: what few coefficients become depends on the step like on dice.
 const THROWS: i32 = 6;
 const THROW: f64 = 1.009;
-/// So many throws are measured by many samples at most.
+/// So many of them are measured by many samples at most.
 const CONFIRMED: usize = 3;
+/// And so often what was found is asked to be a little better.
+const RETRIES: usize = 6;
 
 /// The fewest bytes around a step that nearly meets the target.
 pub(super) fn finish(image: &GeometryImage, how: How, aim: &Aim<'_>, target: f64, found: Found) -> Result<Found> {
@@ -122,7 +124,7 @@ pub(super) fn finish(image: &GeometryImage, how: How, aim: &Aim<'_>, target: f64
     let mut best: Option<Found> = None;
     let mut low = target + UNSURE;
     // What is found is measured, and if it was not enough, more is asked for.
-    for _ in 0..CONFIRMED {
+    for _ in 0..RETRIES {
         let step = found.step;
         let near = trials.approach(Some(found), step, [low, low + SLACK])?;
         found = near.ok_or_else(|| out_of_reach(target, image))?;
@@ -131,7 +133,7 @@ pub(super) fn finish(image: &GeometryImage, how: How, aim: &Aim<'_>, target: f64
             best = Some(found);
             break;
         }
-        low += target - psnr;
+        low += target - psnr + UNSURE;
     }
     let mut best = best.ok_or_else(|| out_of_reach(target, image))?;
     let start = best.step;

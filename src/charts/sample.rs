@@ -16,9 +16,10 @@ use crate::plane::GeometryImage;
 use crate::task::Task;
 
 /// Samples a side that [`Grid::Auto`] chooses among.
-const SIDES: [usize; 6] = [33, 65, 129, 257, 513, 1025];
-/// By so much, in dB, a surface that is not yet rounded should be better than the target.
-const HEADROOM: f64 = 6.5;
+const SIDES: [usize; 11] = [33, 49, 65, 97, 129, 193, 257, 385, 513, 769, 1025];
+/// By so much, in dB, a surface that is not yet rounded should be better than the target: rounding is worth most then. Finer grids cost
+/// a little more, much coarser ones a lot.
+const HEADROOM: f64 = 10.5;
 /// A Hausdorff distance before rounding is to be this share of what is allowed.
 const ERROR_BEFORE: f64 = 0.6;
 /// Turns of moving samples and searching for the step.
@@ -57,7 +58,12 @@ pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<
             for turn in 0..TURNS {
                 task.step(0.6 + 0.15 * turn as f64)?;
                 image = cheaper(map, image, found.step, task)?;
-                let other = search(&image, how, aim, Some(found.step))?;
+                let other = match search(&image, how, aim, Some(found.step)) {
+                    Ok(other) => other,
+                    // What was dropped is missed.
+                    Err(Error::Parameter(_)) => break,
+                    Err(error) => return Err(error),
+                };
                 if aim.prefers(&other, &found)? {
                     (found, best) = (other, image.clone());
                 }

@@ -12,7 +12,7 @@ use super::input;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Geometry images")]
 pub(super) struct GimFlags {
-    /// Samples a side: a number, best of the form 2^k + 1, or auto [default: auto, as many as the target needs].
+    /// Samples a side: a number, best of the form 2^k + 1 or 3 · 2^k + 1, or auto [default: auto, as many as the target needs].
     #[arg(long, value_name = "N", value_parser = grid)]
     grid: Option<Grid>,
     /// The papers' own choices, a fast good one, or the smallest file [default]; the next three flags change parts of it.

@@ -8,4 +8,6 @@ mod sampled;
 
 pub(crate) use certified::certify;
 pub(crate) use directed::{Frame, Surface};
-pub(crate) use sampled::{SampleOptions, Sampled, sample, sample_spread};
+#[cfg(feature = "encode")]
+pub(crate) use sampled::sample_spread;
+pub(crate) use sampled::{SampleOptions, Sampled, sample};

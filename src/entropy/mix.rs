@@ -56,7 +56,7 @@ impl<const N: usize> Start<N, 0> {
 }
 
 /// Mixes `N` contexts and `E` experts.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Mixer<const N: usize, const E: usize> {
     options: MixerOptions,
     lines: Vec<[AdaptiveBit; NODES]>,
@@ -123,10 +123,15 @@ impl<const N: usize, const E: usize> Mixer<N, E> {
         self.set = set * NODES;
     }
 
-    /// Codes one decision of the value and learns from it.
+    /// The chance, in 65536ths, that a decision of the value is true; nothing is learned.
+    pub(crate) fn chance(&self, node: usize, experts: [i32; E]) -> u32 {
+        self.mixed(node, experts).1
+    }
+
+    /// The inputs that the contexts give, and what all inputs together say.
     #[inline]
-    pub(crate) fn code<C: BitCoder>(&mut self, coder: &mut C, decision: bool, node: usize, experts: [i32; E]) -> bool {
-        let weights = &mut self.weights[self.set + node];
+    fn mixed(&self, node: usize, experts: [i32; E]) -> ([i32; N], u32) {
+        let weights = &self.weights[self.set + node];
         let mut inputs = [0; N];
         let mut dot = i64::from(weights.bias) * i64::from(BIAS);
         for i in 0..N {
@@ -137,7 +142,14 @@ impl<const N: usize, const E: usize> Mixer<N, E> {
         for i in 0..E {
             dot += i64::from(weights.experts[i]) * i64::from(experts[i]);
         }
-        let p = squash((dot >> 16).clamp(-i64::from(LIMIT), i64::from(LIMIT)) as i32);
+        (inputs, squash((dot >> 16).clamp(-i64::from(LIMIT), i64::from(LIMIT)) as i32))
+    }
+
+    /// Codes one decision of the value and learns from it.
+    #[inline]
+    pub(crate) fn code<C: BitCoder>(&mut self, coder: &mut C, decision: bool, node: usize, experts: [i32; E]) -> bool {
+        let (inputs, p) = self.mixed(node, experts);
+        let weights = &mut self.weights[self.set + node];
         let decision = coder.code(decision, p);
 
         let error = (if decision { ONE } else { 0 }) - p as i32;

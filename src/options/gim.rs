@@ -24,10 +24,10 @@ pub struct GimChoices {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Grid {
-    /// As many as the target needs: 2^k + 1.
+    /// As many as the target needs: 2^k + 1 or 3 · 2^k + 1.
     #[default]
     Auto,
-    /// So many; odd for closed surfaces, and best of the form 2^k + 1.
+    /// So many; odd for closed surfaces, and best of the form 2^k + 1 or 3 · 2^k + 1.
     Side(u32),
 }
 

@@ -45,6 +45,7 @@ pub(super) struct Place {
 }
 
 /// What has been learned of indices.
+#[derive(Clone)]
 pub(super) struct Contexts {
     sizes: Mixer<N, 1>,
     /// What an index of the expected size would do.
@@ -78,6 +79,13 @@ fn expectation(around: [i32; AROUND], weights: &[u32; AROUND]) -> u32 {
     }
 }
 
+/// The bits of a decision whose chance to be true is `p` 65536ths.
+#[cfg(feature = "encode")]
+pub(super) fn price(decision: bool, p: u32) -> f64 {
+    let p = if decision { p } else { (1 << 16) - p };
+    16.0 - f64::from(p).log2()
+}
+
 impl Default for Contexts {
     fn default() -> Self {
         let options = MixerOptions { lines_log2: 12, rate_shift: 6, count_limit: 255 };
@@ -97,6 +105,51 @@ impl Contexts {
             let negative = size > 0 && coder.code(index < 0, 1 << 15);
             field.indices[at][component] = if negative { -(size as i32) } else { size as i32 };
         }
+    }
+
+    /// Chooses the three indices at a place by what each size would cost there in bits, and learns from them.
+    #[cfg(feature = "encode")]
+    pub(super) fn decide<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        field: &mut Field,
+        place: Place,
+        index: impl Fn(usize, &dyn Fn(u32) -> f64) -> i32,
+    ) -> [i32; 3] {
+        let at = place.row * field.width + place.column;
+        for component in 0..3 {
+            self.choose(field, place, component);
+            let tangent = usize::from(component > 0);
+            let index = index(component, &|size| self.bits(size, tangent));
+            field.indices[at][component] = index;
+            if self.size(coder, index.unsigned_abs(), tangent) > 0 {
+                coder.code(index < 0, 1 << 15);
+            }
+        }
+        field.indices[at]
+    }
+
+    /// What a size and its sign would cost.
+    #[cfg(feature = "encode")]
+    fn bits(&self, size: u32, tangent: usize) -> f64 {
+        let chance = |node: usize| self.sizes.chance(node, [self.odds[node].into()]);
+        let mut sum = if size > 0 { 1.0 } else { 0.0 };
+        for small in 0..SMALL {
+            let more = size > small;
+            sum += price(more, chance(small as usize));
+            if !more {
+                return sum;
+            }
+        }
+        let left = size.saturating_sub(SMALL) + 1;
+        let length = 31 - left.leading_zeros();
+        for bits in 0..=length {
+            sum += price(bits < length, chance((SMALL + bits).min(LAST_NODE as u32) as usize));
+        }
+        let first = length
+            .checked_sub(1)
+            .map_or(0.0, |bit| price(left >> bit & 1 != 0, self.mantissas[tangent][length as usize].p()) + f64::from(bit));
+        sum + first
     }
 
     fn choose(&mut self, field: &Field, place: Place, component: usize) {

@@ -12,6 +12,8 @@
 
 mod coarse;
 mod contexts;
+#[cfg(feature = "encode")]
+mod decide;
 mod frames;
 mod lifting;
 mod quantise;
@@ -34,6 +36,8 @@ pub(crate) use shrink::shrink;
 use crate::entropy::{BitCoder, BitReader, BitWriter};
 use crate::error::{Error, Place, Result};
 use crate::limits::Budget;
+#[cfg(feature = "encode")]
+use crate::plane::bounding_box;
 use crate::plane::{GeometryImage, Gluing, Shape};
 use crate::task::Task;
 
@@ -139,13 +143,14 @@ pub(crate) fn quantise(image: &GeometryImage, layout: Layout, task: &Task<'_>) -
     let coarse: Vec<[i32; 3]> =
         coarse.into_iter().map(|[x, y, z]| Ok([index(x)?, index(y)?, index(z)?])).collect::<Result<_>>()?;
     let mut decoded = coarse_grid(&layout, &coarse)?;
+    let mut decider = decide::Decider::new(layout, bounding_box(image.points().iter().copied()).unwrap_or_default());
     let mut details = vec![Vec::new(); usize::from(layout.levels)];
     for level in (0..layout.levels).rev() {
         task.step(0.5)?;
         let preview = preview(&layout, level, &decoded)?;
         let mut shares = open.pop().ok_or_else(too_small)?;
         in_frames(&preview, &mut shares, |band| steps(layout.step, level, band));
-        let indices = quantise::indices(&shares).ok_or_else(too_small)?;
+        let indices = decider.indices(&shares, level).ok_or_else(too_small)?;
         decoded = refine(&layout, level, &decoded, preview, &indices);
         details[usize::from(level)] = indices;
     }

@@ -1,10 +1,7 @@
-//! Steps and dead zones: reals to integers and back (spec/wavelet.md, "Quantiser").
+//! Steps: what integers stand for (spec/wavelet.md, "Quantiser").
 //!
 //! One step Δ for all: a coefficient that is wrong by e makes the image wrong by e · g, where g is the norm of its basis
 //! function, so its own step is Δ / g. Along the two tangents the steps are twice as large.
-
-use super::lifting::Grid;
-use crate::plane::Gluing;
 
 /// Norms of the basis functions on a line: of a sample and of a detail, 1, 2, … levels up.
 static NORMS: [[f64; 2]; 16] = [
@@ -86,55 +83,11 @@ pub(super) fn value(index: i32, step: f64) -> f64 {
     }
 }
 
-/// How an encoder rounds: 1/2 is to the nearest, less than that makes the interval of 0 wider.
-///
-/// Alone among zeros a coefficient rounds down sooner than among large ones: it costs more there.
-const ROUND_ALONE: f64 = 0.25;
-const ROUND_MORE: f64 = 0.16 / 4.0;
-const ROUND_MOST: f64 = 0.5;
-
-/// Indices of coefficients that are given in steps, all of one level; 0 for coarse samples, and for those that are glued to
-/// others.
-///
-/// Not part of the format: any indices decode.
-pub(super) fn indices(shares: &Grid) -> Option<Vec<[i32; 3]>> {
-    let (width, height) = (shares.shape.width() as isize, shares.shape.height() as isize);
-    let at = |row: isize, column: isize| {
-        let inside = (0..height).contains(&row) && (0..width).contains(&column);
-        if inside { shares.points[(row * width + column) as usize] } else { [0.0; 3] }
-    };
-    const AROUND: [(isize, isize); 8] = [(-2, -2), (-2, 0), (-2, 2), (0, -2), (0, 2), (2, -2), (2, 0), (2, 2)];
-    let index = |place: usize| {
-        let (row, column) = (place as isize / width, place as isize % width);
-        if Band::of(row as usize, column as usize).is_none() || !stands_alone(shares, row as usize, column as usize) {
-            return Some([0; 3]);
-        }
-        let around = AROUND.map(|(dr, dc)| at(row + dr, column + dc));
-        let mut made = [0; 3];
-        for i in 0..3 {
-            let activity: f64 = around.iter().map(|c| (c[i].abs() + 0.5).floor().min(3.0)).sum();
-            let share = at(row, column)[i];
-            let size = (share.abs() + (ROUND_ALONE + ROUND_MORE * activity).min(ROUND_MOST)).floor();
-            if !(size <= f64::from(MAX_INDEX)) {
-                return None;
-            }
-            made[i] = if share < 0.0 { -(size as i32) } else { size as i32 };
-        }
-        Some(made)
-    };
-    (0..shares.points.len()).map(index).collect()
-}
-
-/// Whether a sample is one that others are glued to, or glued to none.
-#[inline]
-fn stands_alone(shares: &Grid, row: usize, column: usize) -> bool {
-    shares.gluing == Gluing::Open || shares.gluing.representative(shares.shape, row, column) == (row, column)
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::lifting::Grid;
     use super::*;
-    use crate::plane::Shape;
+    use crate::plane::{Gluing, Shape};
 
     /// The norm of what one coefficient makes of an image of zeros.
     fn synthesised(level: u8, row: usize, column: usize) -> f64 {
