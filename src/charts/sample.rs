@@ -20,6 +20,8 @@ const SIDES: [usize; 11] = [33, 49, 65, 97, 129, 193, 257, 385, 513, 769, 1025];
 /// By so much, in dB, a surface that is not yet rounded should be better than the target: rounding is worth most then. Finer grids cost
 /// a little more, much coarser ones a lot.
 const HEADROOM: f64 = 10.5;
+/// The same where samples are not moved to where they cost less: finer grids then cost more than a little.
+const LESS_HEADROOM: f64 = 6.5;
 /// A Hausdorff distance before rounding is to be this share of what is allowed.
 const ERROR_BEFORE: f64 = 0.6;
 /// Turns of moving samples and searching for the step.
@@ -75,8 +77,9 @@ pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<
         Grid::Side(side) => cheapest(adjusted(plain(side as usize)?)?),
         Grid::Auto => {
             let mut sides = &SIDES[..];
+            let headroom = if choices.adjust == Adjust::Rate { HEADROOM } else { LESS_HEADROOM };
             loop {
-                let (image, finer) = choose(plain, adjusted, sides, aim, how, task)?;
+                let (image, finer) = choose(plain, adjusted, sides, headroom, aim, how, task)?;
                 match cheapest(image) {
                     // The surface was good enough, but rounding it was not.
                     Err(Error::Parameter(_)) if !finer.is_empty() => sides = finer,
@@ -101,12 +104,13 @@ fn choose<'a>(
     plain: impl Fn(usize) -> Result<GeometryImage>,
     adjusted: impl Fn(GeometryImage) -> Result<GeometryImage>,
     sides: &'a [usize],
+    headroom: f64,
     aim: &Aim<'_>,
     how: How,
     task: Task<'_>,
 ) -> Result<(GeometryImage, &'a [usize])> {
     let judge = aim.judge;
-    let wanted = wanted_psnr(aim) + HEADROOM;
+    let wanted = wanted_psnr(aim) + headroom;
     let psnr = |image: &GeometryImage| judge.psnr(&mesh(image, Scalar::F64)?, task);
     let enough = |image: &GeometryImage| -> Result<bool> {
         let bound = match aim.accuracy {
