@@ -41,8 +41,8 @@ pub struct Decoder<'a> {
 enum Content<'a> {
     /// A mesh with its own connectivity.
     Mesh(Box<MeshFile<'a>>),
-    /// A geometry image.
-    Image(ImageChunk<'a>),
+    /// Geometry images: one for each part of the surface.
+    Images(Vec<ImageChunk<'a>>),
 }
 
 /// A mesh with its own connectivity.
@@ -77,7 +77,7 @@ impl<'a> Decoder<'a> {
     pub fn with_limits(bytes: &'a [u8], limits: Limits) -> Result<Self> {
         let chunks = Chunks::read(bytes)?;
         if chunks.first() == Some(ImageChunk::TAG) {
-            return Self::of_image(bytes, &chunks, limits);
+            return Self::of_images(bytes, &chunks, limits);
         }
         let codecs = [Header::TAG, SurfaceChunk::TAG, MbcimChunk::TAG, PlanesChunk::TAG];
         chunks.check_known(&[&codecs[..], &Parts::TAGS].concat())?;
@@ -152,7 +152,16 @@ impl<'a> Decoder<'a> {
         let mut budget = Budget::new(self.limits);
         let file = match &self.content {
             Content::Mesh(file) => file,
-            Content::Image(_) => return charts::mesh(&self.geometry_image_with(task)?, self.info.precision),
+            Content::Images(_) => {
+                let mesh = charts::mesh(&self.geometry_images_with(task)?, self.info.precision)?;
+                let told = (self.info.vertices as usize, self.info.faces as usize);
+                let found = (mesh.positions.len(), mesh.faces.len());
+                if self.level == 0 && found != told {
+                    let why = format!("{found:?} vertices and triangles, and the header tells of {told:?}");
+                    return Err(Error::malformed(Place::Whole, why));
+                }
+                return Ok(mesh);
+            }
         };
         budget.check_vertices(file.header.vertices.into())?;
         let surface = file.surface(self.info.effort, &mut budget, task)?;
@@ -185,7 +194,12 @@ impl<'a> Decoder<'a> {
                 Body::Planes { chunk, .. } => j2k::codestream(chunk.samples),
                 _ => Err(Error::malformed(Place::Whole, "JPEG 2000 without planes")),
             },
-            Content::Image(chunk) if self.info.codec == "j2k" => j2k::codestream(chunk.bytes),
+            Content::Images(chunks) if self.info.codec == "j2k" => match &chunks[..] {
+                [chunk] => j2k::codestream(chunk.bytes),
+                _ => {
+                    Err(Error::Parameter(format!("the file holds {} images, each with a codestream of its own", chunks.len())))
+                }
+            },
             _ => Err(Error::Parameter(format!("no JPEG 2000 codestream: the file is of the codec {}", self.info.codec))),
         }
     }

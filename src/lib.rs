@@ -97,8 +97,8 @@ pub use mesh::{
 };
 #[cfg(feature = "encode")]
 pub use options::{
-    Accuracy, Adjust, AttributeChoices, Boundaries, Codec, EncodeOptions, GimChoices, Grid, ImageChoices, J2kChoices, Method,
-    Param, Precision, Quality, Sampling,
+    Accuracy, Adjust, AttributeChoices, Border, Boundaries, Codec, EncodeOptions, GimChoices, Grid, ImageChoices, J2kChoices,
+    Method, Param, Precision, Quality, Sampling,
 };
 pub use par::with_threads;
 pub use plane::{GeometryImage, Gluing, Lattice};
@@ -110,7 +110,7 @@ pub use task::Task;
 /// Meshes sampled anew as geometry images, with every part of the chain to be chosen alone; no file is involved.
 #[cfg(feature = "encode")]
 pub mod resample {
-    pub use crate::gim::{Adjustment, Param, Resample, Sampling};
+    pub use crate::gim::{Adjustment, Border, Param, Resample, Sampling};
 }
 
 /// Doors into single rooms, for fuzzers. No part of the interface: they may change at any time.

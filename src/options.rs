@@ -4,7 +4,7 @@ mod attributes;
 mod gim;
 
 pub use attributes::{AttributeChoices, Precision};
-pub use gim::{Adjust, GimChoices, Grid, Param, Sampling};
+pub use gim::{Adjust, Border, GimChoices, Grid, Param, Sampling};
 
 use crate::error::{Error, Result};
 use crate::plane::Lattice;

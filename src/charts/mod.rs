@@ -11,6 +11,7 @@ mod psnr;
 mod sample;
 #[cfg(feature = "encode")]
 mod search;
+mod surface;
 #[cfg(feature = "encode")]
 mod write;
 
@@ -18,24 +19,27 @@ mod write;
 pub(crate) use sample::sample;
 #[cfg(feature = "encode")]
 pub(crate) use search::{Aim, finish, search};
+pub(crate) use surface::{mesh, surface};
 #[cfg(feature = "encode")]
 pub(crate) use write::How;
 
 #[cfg(feature = "exr")]
 use crate::codec::Exr;
 use crate::codec::j2k::J2k;
+use crate::codec::mask;
 use crate::codec::wavelet::{self, Layout};
 use crate::codec::{PlaneCodec, Raw};
 use crate::error::{Error, Place, Result};
 use crate::format::{ImageBody, ImageChunk, PlanesBy};
 use crate::limits::Budget;
-use crate::mesh::{Mesh, Scalar};
-use crate::plane::{GeometryImage, Gluing, Lattice, Planes, Shape};
+use crate::plane::{GeometryImage, Gluing, Lattice, Mask, Planes, Shape};
 use crate::task::Task;
 
 /// Bytes a sample that the mesh takes, and its codec of planes.
 const BYTES_A_SAMPLE: u64 = 160;
 const STEPS_A_SAMPLE: u64 = 40;
+/// Steps that the mask of holes takes for each square.
+const STEPS_A_HOLE: u64 = 10;
 
 /// The shape of the image that a chunk holds.
 fn shape(chunk: &ImageChunk<'_>) -> Result<Shape> {
@@ -61,7 +65,7 @@ fn layout(chunk: &ImageChunk<'_>) -> Result<Option<Layout>> {
 pub(crate) fn size_at(chunk: &ImageChunk<'_>, level: u8) -> Result<[u32; 2]> {
     Ok(match layout(chunk)? {
         Some(layout) => {
-            let shape = layout.shape_at(level.min(layout.levels));
+            let shape = layout.shape_at(level.min(chunk.levels()));
             [shape.width() as u32, shape.height() as u32]
         }
         None => {
@@ -71,12 +75,32 @@ pub(crate) fn size_at(chunk: &ImageChunk<'_>, level: u8) -> Result<[u32; 2]> {
     })
 }
 
+/// Vertices of the image after `level` halvings, at most.
+pub(crate) fn vertices_at(chunk: &ImageChunk<'_>, level: u8) -> Result<u64> {
+    let [columns, rows] = size_at(chunk, level)?;
+    // Where holes touch, a sample is up to four vertices.
+    let copies = if chunk.holes.is_some() { 4 } else { 1 };
+    Ok(if level == 0 { chunk.vertices() } else { copies * u64::from(columns) * u64::from(rows) })
+}
+
 /// Memory and steps that decoding an image and its mesh takes at most.
 pub(crate) fn cost(chunk: &ImageChunk<'_>, level: u8) -> Result<(u64, u64)> {
     let [columns, rows] = size_at(chunk, level)?;
     let pixels = u64::from(columns) * u64::from(rows);
     let own = (pixels.saturating_mul(BYTES_A_SAMPLE), pixels.saturating_mul(STEPS_A_SAMPLE));
-    let (memory, work) = layout(chunk)?.map_or((0, 0), |layout| layout.cost(level));
+    let (memory, work) = layout(chunk)?.map_or((0, 0), |layout| layout.cost(level.min(chunk.levels())));
+    let own = if chunk.holes.is_some() {
+        let squares = u64::from(chunk.columns) * u64::from(chunk.rows);
+        (
+            own.0.saturating_add(squares),
+            own.1
+                .saturating_add(squares.saturating_mul(STEPS_A_HOLE))
+                .saturating_add(mask::STEPS_TO_START)
+                .saturating_add(mask::STEPS_TO_START),
+        )
+    } else {
+        own
+    };
     Ok((own.0.saturating_add(memory), own.1.saturating_add(work)))
 }
 
@@ -87,16 +111,44 @@ pub(crate) fn read(chunk: &ImageChunk<'_>, level: u8, budget: &mut Budget, task:
     budget.check_pixels(pixels)?;
     budget.reserve(pixels.saturating_mul(BYTES_A_SAMPLE))?;
     budget.spend(pixels.saturating_mul(STEPS_A_SAMPLE))?;
-    match (chunk.body, layout(chunk)?) {
+    let level = level.min(chunk.levels());
+    let whole = shape(chunk)?;
+    let malformed = |e: Error| Error::malformed(Place::Whole, e.to_string());
+    let mut image = match (chunk.body, layout(chunk)?) {
         (ImageBody::Wavelet { bounds, .. }, Some(layout)) => {
-            wavelet::decode(chunk.bytes, &layout, bounds.bounds(), level, budget, &task)
+            wavelet::decode(chunk.bytes, &layout, bounds.bounds(), level, budget, &task)?
         }
         (ImageBody::Planes { codec, depth, lattice }, _) => {
-            let planes = plane_codec(codec)?.decode(chunk.bytes, shape(chunk)?, &[depth; 3], budget)?;
-            from_planes(&planes, chunk.gluing, &lattice).map_err(|e| Error::malformed(Place::Whole, e.to_string()))
+            let planes = plane_codec(codec)?.decode(chunk.bytes, whole, &[depth; 3], budget)?;
+            from_planes(&planes, chunk.gluing, &lattice).map_err(malformed)?
         }
-        (ImageBody::Wavelet { .. }, None) => Err(Error::malformed(Place::Whole, "an image without a layout")),
+        (ImageBody::Wavelet { .. }, None) => return Err(Error::malformed(Place::Whole, "an image without a layout")),
+    };
+    if let Some(seams) = &chunk.seams {
+        image = image.averaging_seams(seams.clone()).map_err(malformed)?;
     }
+    if let Some(holes) = &chunk.holes {
+        let squares = Shape::new(whole.width() as u32 - 1, whole.height() as u32 - 1).map_err(malformed)?;
+        let mask = mask::read(holes.bytes, squares, budget)?;
+        if squares.pixels() - mask.count() != holes.squares as usize {
+            let why =
+                format!("{} squares that are no holes, and {} are told of", squares.pixels() - mask.count(), holes.squares);
+            return Err(Error::malformed(Place::Whole, why));
+        }
+        image = image.with_holes(at_level(&mask, level)).map_err(malformed)?;
+    }
+    Ok(image)
+}
+
+/// The holes of an image after `level` halvings: squares all of whose parts are holes.
+fn at_level(holes: &Mask, level: u8) -> Mask {
+    let (width, height) = (holes.shape().width() >> level, holes.shape().height() >> level);
+    let part = |row: usize, column: usize| {
+        let parts = 1 << level;
+        (row * parts..(row + 1) * parts).all(|r| (column * parts..(column + 1) * parts).all(|c| holes.contains(r, c)))
+    };
+    let shape = Shape::new(width as u32, height as u32).unwrap_or(holes.shape());
+    Mask::from_fn(shape, part)
 }
 
 fn plane_codec(codec: PlanesBy) -> Result<Box<dyn PlaneCodec>> {
@@ -124,45 +176,7 @@ pub(crate) fn codec_name(body: &ImageBody) -> &'static str {
 fn from_planes(planes: &Planes, gluing: Gluing, lattice: &Lattice) -> Result<GeometryImage> {
     let shape = planes.shape();
     let point = |at: usize| lattice.point([0, 1, 2].map(|i| i64::from(planes[i].samples()[at])));
-    let mut points: Vec<[f64; 3]> = (0..shape.pixels()).map(point).collect();
-    if gluing != Gluing::Open {
-        let width = shape.width();
-        let of = |at: usize| {
-            let (row, column) = gluing.representative(shape, at / width, at % width);
-            row * width + column
-        };
-        let mut sums = std::collections::BTreeMap::new();
-        for at in (0..points.len()).filter(|&at| of(at) != at) {
-            let (sum, count) = sums.entry(of(at)).or_insert((points[of(at)], 1.0));
-            (0..3).for_each(|i| sum[i] += points[at][i]);
-            *count += 1.0;
-        }
-        for (at, (sum, count)) in sums {
-            points[at] = sum.map(|x| x / count);
-        }
-    }
-    GeometryImage::new(shape.width(), shape.height(), gluing, points)
-}
-
-/// The mesh of an image: its samples as vertices, those that are glued as one.
-pub(crate) fn mesh(image: &GeometryImage, precision: Scalar) -> Result<Mesh> {
-    let representatives = image.representatives();
-    let mut number = vec![0_u32; representatives.len()];
-    let mut positions = Vec::new();
-    for (at, &of) in representatives.iter().enumerate() {
-        if of as usize == at {
-            number[at] = positions.len() as u32;
-            let point = image.points()[at];
-            positions.push(if precision == Scalar::F64 { point } else { point.map(|x| f64::from(x as f32)) });
-        }
-    }
-    if positions.iter().flatten().any(|x| !x.is_finite()) {
-        return Err(Error::malformed(Place::Whole, "a point beyond what 32-bit numbers hold"));
-    }
-    let triangles = image.triangles().into_iter().map(|t| t.map(|v| number[v as usize]));
-    let mut mesh = Mesh::from_triangles(positions, triangles);
-    mesh.precision = precision;
-    Ok(mesh)
+    GeometryImage::averaging(shape.width(), shape.height(), gluing, (0..shape.pixels()).map(point).collect())
 }
 
 #[cfg(test)]
@@ -182,15 +196,5 @@ mod tests {
         assert_eq!(image.point(1, 0)[2], 10.0 + 2.0 * 10.0);
         assert_eq!(image.point(3, 0), image.point(1, 0));
         assert_eq!(image.point(1, 1)[2], 10.0 + 2.0 * 6.0);
-    }
-
-    #[test]
-    fn the_mesh_of_an_orbifold_has_a_vertex_for_every_point_and_no_more() {
-        let points = (0..9 * 7).map(|p| [f64::from(p), f64::from(p * p % 17), 0.5]).collect();
-        let image = GeometryImage::new(9, 7, Gluing::Orbifold, points).unwrap();
-        let mesh = mesh(&image, Scalar::F64).unwrap();
-        assert_eq!(mesh.positions.len() as u64, crate::format::vertices(9, 7, Gluing::Orbifold));
-        assert_eq!(mesh.faces.len(), 2 * 8 * 6);
-        assert!(crate::mesh::HalfEdges::new(mesh.positions.len(), mesh.faces.triangles()).is_ok());
     }
 }

@@ -3,7 +3,7 @@
 //! Trials are measured by few samples. How far these are off is seen once, by many, where the target is nearly met; it is
 //! about the same for all steps near to it. Only what is going to be written is measured by many.
 
-use super::search::{Aim, Found};
+use super::search::{Aim, Found, named};
 use super::write::How;
 use crate::error::{Error, Result};
 use crate::plane::GeometryImage;
@@ -22,9 +22,9 @@ const UNSURE: f64 = 0.002;
 /// that is wrong.
 const FALL: f64 = 7.0;
 
-/// One image, coded again and again.
+/// Images, coded again and again.
 struct Trials<'a> {
-    image: &'a GeometryImage,
+    images: &'a [GeometryImage],
     how: How,
     aim: &'a Aim<'a>,
     /// What many samples say more than few, in dB.
@@ -37,7 +37,7 @@ impl Trials<'_> {
         if task.is_over() {
             return Err(Error::Cancelled);
         }
-        let coded = self.how.code(self.image, step, task)?;
+        let coded = self.how.code(self.images, step, task)?;
         let psnr = judge.psnr(&coded.mesh()?, task)?;
         Ok(Found { psnr, ..Found::new(coded, step) })
     }
@@ -95,16 +95,17 @@ impl Trials<'_> {
     }
 }
 
-fn out_of_reach(target: f64, image: &GeometryImage) -> Error {
-    Error::Parameter(format!("a psnr of {target} dB cannot be reached with an image of {}: take a larger grid", image.shape()))
+fn out_of_reach(target: f64, images: &[GeometryImage]) -> Error {
+    let with = named(images);
+    Error::Parameter(format!("a psnr of {target} dB cannot be reached with {with}: take a larger grid, or --method cgim"))
 }
 
-/// Codes an image so that its psnr is nearly what is aimed at.
-pub(super) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, target: f64, start: Option<f64>) -> Result<Found> {
-    let trials = Trials { image, how, aim, offset: 0.0 };
+/// Codes images so that their psnr is nearly what is aimed at.
+pub(super) fn search(images: &[GeometryImage], how: How, aim: &Aim<'_>, target: f64, start: Option<f64>) -> Result<Found> {
+    let trials = Trials { images, how, aim, offset: 0.0 };
     // A sample moves in three directions, and the surface feels one of them.
     let start = start.unwrap_or(4.0 * aim.judge.diagonal() / 10_f64.powf(target / 20.0));
-    trials.approach(None, start, [target - ROUGH, target + ROUGH])?.ok_or_else(|| out_of_reach(target, image))
+    trials.approach(None, start, [target - ROUGH, target + ROUGH])?.ok_or_else(|| out_of_reach(target, images))
 }
 
 /// Larger steps that happen to be fine too: what few coefficients become depends on the step like on dice.
@@ -116,9 +117,9 @@ const CONFIRMED: usize = 3;
 const RETRIES: usize = 6;
 
 /// The fewest bytes around a step that nearly meets the target.
-pub(super) fn finish(image: &GeometryImage, how: How, aim: &Aim<'_>, target: f64, found: Found) -> Result<Found> {
+pub(super) fn finish(images: &[GeometryImage], how: How, aim: &Aim<'_>, target: f64, found: Found) -> Result<Found> {
     let size = |found: &Found| found.coded.size(aim.history);
-    let mut trials = Trials { image, how, aim, offset: 0.0 };
+    let mut trials = Trials { images, how, aim, offset: 0.0 };
     let mut found = found;
     trials.confirm(&mut found)?;
     let mut best: Option<Found> = None;
@@ -127,7 +128,7 @@ pub(super) fn finish(image: &GeometryImage, how: How, aim: &Aim<'_>, target: f64
     for _ in 0..RETRIES {
         let step = found.step;
         let near = trials.approach(Some(found), step, [low, low + SLACK])?;
-        found = near.ok_or_else(|| out_of_reach(target, image))?;
+        found = near.ok_or_else(|| out_of_reach(target, images))?;
         let psnr = trials.confirm(&mut found)?;
         if psnr >= target {
             best = Some(found);
@@ -135,7 +136,7 @@ pub(super) fn finish(image: &GeometryImage, how: How, aim: &Aim<'_>, target: f64
         }
         low += target - psnr + UNSURE;
     }
-    let mut best = best.ok_or_else(|| out_of_reach(target, image))?;
+    let mut best = best.ok_or_else(|| out_of_reach(target, images))?;
     let start = best.step;
     let mut lucky = (1..=THROWS).map(|throw| trials.at(start * THROW.powi(throw))).collect::<Result<Vec<_>>>()?;
     lucky.retain(|found| found.psnr + trials.offset >= target && size(found) < size(&best));

@@ -9,8 +9,8 @@ use super::search::{Aim, Found, finish, search};
 use super::write::How;
 use crate::codec::wavelet::shrink;
 use crate::error::{Error, Result};
-use crate::gim::{self, Atlas, Map};
-use crate::mesh::{HalfEdges, Mesh, Scalar};
+use crate::gim::{self, Atlas, Flattening};
+use crate::mesh::{Mesh, Scalar};
 use crate::options::{Accuracy, Adjust, GimChoices, Grid};
 use crate::plane::GeometryImage;
 use crate::task::Task;
@@ -33,41 +33,33 @@ const SHARE: f64 = 0.4;
 
 /// Samples a surface for a target and codes it.
 pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<'_>, task: Task<'_>) -> Result<Found> {
-    let triangles = original.faces.triangles();
-    let surface = HalfEdges::new(original.positions.len(), triangles)?;
-    let atlas = Atlas::new(&surface, &original.positions, choices.param, &task)?;
-    let [map] = atlas.maps() else {
-        return Err(Error::Parameter(format!(
-            "a surface of {} charts, and a file holds one; `--method cgim` stores any mesh",
-            atlas.maps().len()
-        )));
-    };
+    let atlas = Atlas::of_mesh(original, Flattening { param: choices.param, border: choices.border }, &task)?;
     task.step(0.3)?;
-    let plain = |side: usize| map.sample(side, choices.sampling, &task);
-    let adjusted = |image: GeometryImage| -> Result<GeometryImage> {
+    let plain = |side: usize| atlas.sample(side, choices.sampling, &task);
+    let adjusted = |images: Vec<GeometryImage>| -> Result<Vec<GeometryImage>> {
         match choices.adjust {
-            Adjust::None => Ok(image),
-            Adjust::Fit | Adjust::Rate => map.adjust(image, gim::Adjust::Fit, &task),
-            Adjust::Hausdorff => map.adjust(image, gim::Adjust::Hausdorff, &task),
+            Adjust::None => Ok(images),
+            Adjust::Fit | Adjust::Rate => atlas.adjust(images, gim::Adjust::Fit, &task),
+            Adjust::Hausdorff => atlas.adjust(images, gim::Adjust::Hausdorff, &task),
         }
     };
-    let cheapest = |image: GeometryImage| -> Result<Found> {
+    let cheapest = |images: Vec<GeometryImage>| -> Result<Found> {
         task.step(0.5)?;
-        let mut found = search(&image, how, aim, None)?;
-        let mut best = image;
+        let mut found = search(&images, how, aim, None)?;
+        let mut best = images;
         if choices.adjust == Adjust::Rate {
-            let mut image = best.clone();
+            let mut images = best.clone();
             for turn in 0..TURNS {
                 task.step(0.6 + 0.15 * turn as f64)?;
-                image = cheaper(map, image, found.step, task)?;
-                let other = match search(&image, how, aim, Some(found.step)) {
+                images = cheaper(&atlas, images, found.step, task)?;
+                let other = match search(&images, how, aim, Some(found.step)) {
                     Ok(other) => other,
                     // What was dropped is missed.
                     Err(Error::Parameter(_)) => break,
                     Err(error) => return Err(error),
                 };
                 if aim.prefers(&other, &found)? {
-                    (found, best) = (other, image.clone());
+                    (found, best) = (other, images.clone());
                 }
             }
         }
@@ -76,11 +68,12 @@ pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<
     match choices.grid {
         Grid::Side(side) => cheapest(adjusted(plain(side as usize)?)?),
         Grid::Auto => {
-            let mut sides = &SIDES[..];
+            let fitting: Vec<usize> = SIDES.into_iter().filter(|side| (side - 1).is_multiple_of(atlas.grains())).collect();
+            let mut sides = &fitting[..];
             let headroom = if choices.adjust == Adjust::Rate { HEADROOM } else { LESS_HEADROOM };
             loop {
-                let (image, finer) = choose(plain, adjusted, sides, headroom, aim, how, task)?;
-                match cheapest(image) {
+                let (images, finer) = choose(plain, adjusted, sides, headroom, aim, how, task)?;
+                match cheapest(images) {
                     // The surface was good enough, but rounding it was not.
                     Err(Error::Parameter(_)) if !finer.is_empty() => sides = finer,
                     other => return other,
@@ -90,64 +83,79 @@ pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<
     }
 }
 
-/// The image with its samples where they cost less at a step.
-fn cheaper(map: &Map, image: GeometryImage, step: f64, task: Task<'_>) -> Result<GeometryImage> {
+/// The images with their samples where they cost less at a step.
+fn cheaper(atlas: &Atlas, images: Vec<GeometryImage>, step: f64, task: Task<'_>) -> Result<Vec<GeometryImage>> {
     let shrink = |image: &GeometryImage| shrink(image, step, SHARE, &task);
-    map.adjust(image, gim::Adjust::Rate { shrink: &shrink, rounds: ROUNDS }, &task)
+    atlas.adjust(images, gim::Adjust::Rate { shrink: &shrink, rounds: ROUNDS }, &task)
 }
 
 /// What moving samples may be worth, in dB.
 const ADJUSTING: f64 = 9.0;
 
-/// The coarsest image of some sides that is good enough for the target, and the sides beyond.
+/// The coarsest images of some sides that are good enough for the target, and the sides beyond.
 fn choose<'a>(
-    plain: impl Fn(usize) -> Result<GeometryImage>,
-    adjusted: impl Fn(GeometryImage) -> Result<GeometryImage>,
+    plain: impl Fn(usize) -> Result<Vec<GeometryImage>>,
+    adjusted: impl Fn(Vec<GeometryImage>) -> Result<Vec<GeometryImage>>,
     sides: &'a [usize],
     headroom: f64,
     aim: &Aim<'_>,
     how: How,
     task: Task<'_>,
-) -> Result<(GeometryImage, &'a [usize])> {
+) -> Result<(Vec<GeometryImage>, &'a [usize])> {
     let judge = aim.judge;
-    let wanted = wanted_psnr(aim) + headroom;
-    let psnr = |image: &GeometryImage| judge.psnr(&mesh(image, Scalar::F64)?, task);
-    let enough = |image: &GeometryImage| -> Result<bool> {
+    let wanted = wanted_psnr(aim) + HEADROOM;
+    let psnr = |images: &[GeometryImage]| judge.psnr(&mesh(images, Scalar::F64)?, task);
+    let enough = |images: &[GeometryImage]| -> Result<bool> {
         let bound = match aim.accuracy {
             Accuracy::Error(bound) => bound,
             Accuracy::RelativeError(share) => share * judge.diagonal(),
-            _ => return Ok(psnr(image)? >= wanted),
+            _ => return Ok(psnr(images)? >= wanted),
         };
-        Ok(judge.hausdorff(&mesh(image, Scalar::F64)?, task)? <= ERROR_BEFORE * bound)
+        Ok(judge.hausdorff(&mesh(images, Scalar::F64)?, task)? <= ERROR_BEFORE * bound)
     };
     let by_psnr = !matches!(aim.accuracy, Accuracy::Error(_) | Accuracy::RelativeError(_) | Accuracy::Size(_));
-    let mut best: Option<(GeometryImage, Found)> = None;
-    let mut last = None;
+    let mut best: Option<(Vec<GeometryImage>, Found)> = None;
+    let (mut last, mut before) = (None, (1, f64::NEG_INFINITY));
     for (i, &side) in sides.iter().enumerate() {
         task.step(0.4)?;
-        let image = plain(side)?;
+        let images = plain(side)?;
         let finer = &sides[i + 1..];
-        if by_psnr && !finer.is_empty() && psnr(&image)? + ADJUSTING < wanted {
-            continue;
+        if by_psnr && !finer.is_empty() {
+            let found = psnr(&images)?;
+            // Creases gain 6 dB by twice the samples, smooth surfaces up to twice that, and seldom much more than last time.
+            let doublings = |to: usize| (to as f64 / side as f64).log2();
+            let gain = (1.2 * (found - before.1) / -doublings(before.0)).clamp(6.0, 12.0);
+            let most = found + ADJUSTING + gain * doublings(finer[finer.len() - 1]);
+            if most < wanted_psnr(aim) {
+                return Err(Error::Parameter(format!(
+                    "{} dB are out of reach: {side} samples a side come to {found:.1} dB, and more to about {most:.0} dB; \
+                     --method cgim keeps the mesh's own triangles",
+                    wanted_psnr(aim),
+                )));
+            }
+            before = (side, found);
+            if found + ADJUSTING < wanted {
+                continue;
+            }
         }
-        let image = adjusted(image)?;
+        let images = adjusted(images)?;
         if let Accuracy::Size(_) = aim.accuracy {
             // The side at which so many bytes buy the best psnr.
-            let found = search(&image, how, aim, None);
+            let found = search(&images, how, aim, None);
             let Ok(found) = found else { break };
             match &best {
                 Some((_, other)) if !aim.prefers(&found, other)? => break,
-                _ => best = Some((image, found)),
+                _ => best = Some((images, found)),
             }
             continue;
         }
-        let done = enough(&image)?;
-        last = Some((image, finer));
+        let done = enough(&images)?;
+        last = Some((images, finer));
         if done {
             break;
         }
     }
-    let chosen = best.map(|(image, _)| (image, &sides[..0])).or(last);
+    let chosen = best.map(|(images, _)| (images, &sides[..0])).or(last);
     chosen.ok_or_else(|| Error::Parameter("no grid fits so few bytes".into()))
 }
 

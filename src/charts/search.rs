@@ -16,7 +16,7 @@ pub(crate) struct Aim<'a> {
     pub(crate) task: Task<'a>,
 }
 
-/// An image at the step that was found.
+/// Images at the step that was found.
 pub(crate) struct Found {
     pub(crate) coded: Coded,
     pub(crate) step: f64,
@@ -80,18 +80,18 @@ enum Verdict {
     Done,
 }
 
-/// Codes an image as the aim asks for; a psnr is met nearly, until it is [finished](finish). `start` is a step that may be near.
-pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, start: Option<f64>) -> Result<Found> {
+/// Codes images as the aim asks for; a psnr is met nearly, until it is [finished](finish). `start` is a step that may be near.
+pub(crate) fn search(images: &[GeometryImage], how: How, aim: &Aim<'_>, start: Option<f64>) -> Result<Found> {
     let Aim { accuracy, judge, history, task } = *aim;
     let diagonal = judge.diagonal();
-    let longest = longest_side(image);
+    let longest = longest_side(images);
     let (coded, step) = match accuracy {
-        Accuracy::Step(step) => (how.code(image, step, task)?, step),
+        Accuracy::Step(step) => (how.code(images, step, task)?, step),
         Accuracy::Bits(bits) => {
             let step = longest.max(f64::MIN_POSITIVE) / f64::from((1_u32 << bits) - 1);
-            (how.code(image, step, task)?, step)
+            (how.code(images, step, task)?, step)
         }
-        Accuracy::Psnr(target) => return psnr::search(image, how, aim, target, start),
+        Accuracy::Psnr(target) => return psnr::search(images, how, aim, target, start),
         Accuracy::Size(bytes) => {
             let judged = |coded: &Coded| {
                 let size = coded.size(history);
@@ -104,7 +104,7 @@ pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, start: Opti
                     _ => Verdict::Bad(more),
                 })
             };
-            smallest(longest.max(1e-300) / 500.0, bytes, |step| how.code(image, step, task), judged, task)?
+            smallest(longest.max(1e-300) / 500.0, bytes, |step| how.code(images, step, task), judged, task)?
         }
         Accuracy::Error(_) | Accuracy::RelativeError(_) => {
             let bound = match accuracy {
@@ -124,10 +124,10 @@ pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, start: Opti
                     s => Verdict::Fine(1.0 / s),
                 })
             };
-            bisect(bound, |step| how.code(image, step, task), judged, task)?.ok_or_else(|| {
+            bisect(bound, |step| how.code(images, step, task), judged, task)?.ok_or_else(|| {
                 Error::Parameter(format!(
-                    "an error of {bound} cannot be held with an image of {} samples: take a larger grid",
-                    image.shape()
+                    "an error of {bound} cannot be held with {}: take a larger grid, or --method cgim",
+                    named(images)
                 ))
             })?
         }
@@ -140,16 +140,28 @@ pub(crate) fn search(image: &GeometryImage, how: How, aim: &Aim<'_>, start: Opti
 }
 
 /// What a search found, as near to the target as it can be, and not below.
-pub(crate) fn finish(image: &GeometryImage, how: How, aim: &Aim<'_>, found: Found) -> Result<Found> {
+pub(crate) fn finish(images: &[GeometryImage], how: How, aim: &Aim<'_>, found: Found) -> Result<Found> {
     match aim.accuracy {
-        Accuracy::Psnr(target) => psnr::finish(image, how, aim, target, found),
+        Accuracy::Psnr(target) => psnr::finish(images, how, aim, target, found),
         _ => Ok(found),
     }
 }
 
-fn longest_side(image: &GeometryImage) -> f64 {
-    let bounds = crate::plane::bounding_box(image.points().iter().copied()).unwrap_or([[0.0; 3]; 2]);
+fn longest_side(images: &[GeometryImage]) -> f64 {
+    let points = images.iter().flat_map(|image| image.points()).copied();
+    let bounds = crate::plane::bounding_box(points).unwrap_or([[0.0; 3]; 2]);
     (0..3).map(|i| bounds[1][i] - bounds[0][i]).fold(0.0, f64::max)
+}
+
+/// What messages call images.
+pub(super) fn named(images: &[GeometryImage]) -> String {
+    match images {
+        [image] => format!("an image of {} samples", image.shape()),
+        _ => {
+            let widest = images.iter().map(GeometryImage::width).max().unwrap_or(0);
+            format!("{} images of up to {widest} samples a side", images.len())
+        }
+    }
 }
 
 /// The largest step found that is fine.

@@ -1,23 +1,35 @@
 //! A geometry image to a file, at a given step.
 
-use super::{from_planes, mesh, plane_codec};
+use super::{from_planes, mesh, plane_codec, surface};
 use crate::codec::PlaneCodec;
 use crate::codec::j2k::{self, J2k, Quality, Transform};
+use crate::codec::mask;
 use crate::codec::wavelet::{self, Layout};
 use crate::error::{Error, Result};
-use crate::format::{ChunkWriter, CoarseBox, ImageBody, ImageChunk, PlanesBy, short};
+use crate::format::{ChunkWriter, CoarseBox, HolesField, ImageBody, ImageChunk, PlanesBy, short};
 use crate::limits::{Budget, Limits};
 use crate::mesh::{Mesh, Scalar};
 use crate::options::Codec;
 use crate::plane::{GeometryImage, Lattice, MAX_DEPTH, Plane, Planes, bounding_box};
 use crate::task::Task;
 
-/// An image that was coded, and what a decoder will make of it.
+/// Images that were coded, and what a decoder will make of them.
 pub(crate) struct Coded {
+    images: Vec<CodedImage>,
+    precision: Scalar,
+}
+
+struct CodedImage {
     body: ImageBody,
     bytes: Vec<u8>,
     decoded: GeometryImage,
-    precision: Scalar,
+    holes: Option<Holes>,
+}
+
+struct Holes {
+    vertices: u32,
+    squares: u32,
+    bytes: Vec<u8>,
 }
 
 /// How an image is coded beside its step.
@@ -28,8 +40,13 @@ pub(crate) struct How {
 }
 
 impl How {
-    /// Codes an image so that its samples are wrong by about `step` / √12.
-    pub(crate) fn code(&self, image: &GeometryImage, step: f64, task: Task<'_>) -> Result<Coded> {
+    /// Codes images so that their samples are wrong by about `step` / √12.
+    pub(crate) fn code(&self, images: &[GeometryImage], step: f64, task: Task<'_>) -> Result<Coded> {
+        let images = images.iter().map(|image| self.code_one(image, step, task)).collect::<Result<_>>()?;
+        Ok(Coded { images, precision: self.precision })
+    }
+
+    fn code_one(&self, image: &GeometryImage, step: f64, task: Task<'_>) -> Result<CodedImage> {
         let (body, bytes, decoded) = match self.codec {
             Codec::Wavelet => wavelet(image, step, task)?,
             Codec::Raw => planes(image, step, PlanesBy::Raw, task)?,
@@ -42,30 +59,45 @@ impl How {
                 )));
             }
         };
-        Ok(Coded { body, bytes, decoded, precision: self.precision })
+        let decoded = match image.seams() {
+            Some(seams) => decoded.averaging_seams(seams.clone())?,
+            None => decoded,
+        };
+        let Some(holes) = image.holes() else { return Ok(CodedImage { body, bytes, decoded, holes: None }) };
+        let decoded = decoded.with_holes(holes.clone())?;
+        let squares = holes.shape().pixels() - holes.count();
+        let holes = Holes { vertices: surface(&decoded).0.len() as u32, squares: squares as u32, bytes: mask::write(holes) };
+        Ok(CodedImage { body, bytes, decoded, holes: Some(holes) })
     }
 }
 
 impl Coded {
     /// The mesh that a decoder will make.
     pub(crate) fn mesh(&self) -> Result<Mesh> {
-        mesh(&self.decoded, self.precision)
+        let decoded: Vec<&GeometryImage> = self.images.iter().map(|image| &image.decoded).collect();
+        mesh(&decoded, self.precision)
     }
 
-    /// The whole file, with what was measured of it.
+    /// The whole file, with what was measured of it: the first image says it of all of them.
     pub(crate) fn file(&self, psnr: Option<f64>, bound: Option<f64>, history: Option<&str>) -> Vec<u8> {
-        let chunk = ImageChunk {
-            gluing: self.decoded.gluing(),
-            double: self.precision == Scalar::F64,
-            columns: self.decoded.width() as u32,
-            rows: self.decoded.height() as u32,
-            body: self.body,
-            psnr: psnr.map(|p| (p * 100.0).floor().clamp(0.0, 65535.0) as u16),
-            bound: bound.map(|b| short(b, true)).filter(|b| b.is_finite()),
-            bytes: &self.bytes,
-        };
+        let psnr = psnr.map(|p| (p * 100.0).floor().clamp(0.0, 65535.0) as u16);
+        let bound = bound.map(|b| short(b, true)).filter(|b| b.is_finite());
         let mut writer = ChunkWriter::new();
-        writer.chunk(ImageChunk::TAG, &chunk.write());
+        for (i, CodedImage { body, bytes, decoded, holes }) in self.images.iter().enumerate() {
+            let chunk = ImageChunk {
+                gluing: decoded.gluing(),
+                double: self.precision == Scalar::F64,
+                columns: decoded.width() as u32,
+                rows: decoded.height() as u32,
+                seams: decoded.seams().cloned(),
+                holes: holes.as_ref().map(|h| HolesField { vertices: h.vertices, squares: h.squares, bytes: &h.bytes }),
+                body: *body,
+                psnr: psnr.filter(|_| i == 0),
+                bound: bound.filter(|_| i == 0),
+                bytes,
+            };
+            writer.chunk(ImageChunk::TAG, &chunk.write());
+        }
         if let Some(history) = history {
             writer.chunk(ImageChunk::HISTORY, history.as_bytes());
         }

@@ -27,7 +27,7 @@ pub(super) struct Decode {
     #[arg(long, value_name = "L")]
     level: Option<u8>,
     /// Also write the planes of the image into this folder: positions and normals as PNG; of an image of vertices also its
-    /// index, of a geometry image also geometry.exr.
+    /// index, of a geometry image also geometry.exr; several images are numbered.
     #[arg(long, value_name = "DIR")]
     planes: Option<PathBuf>,
     /// The format of the mesh: obj, ply, off, stl, glb [default: by extension; ply on stdout].
@@ -63,19 +63,25 @@ impl Decode {
                 return Ok((decoder.decode_with(task)?, decoder.info().clone(), Vec::new()));
             }
             if decoder.info().method == "gim" {
-                let image = decoder.geometry_image_with(task)?;
-                let pictures = vec![
-                    ("positions.png", grid::points_png(&image)?),
-                    ("normals.png", grid::normals_png(&image)?),
-                    ("geometry.exr", image.to_exr()?),
-                ];
+                let images = decoder.geometry_images_with(task)?;
+                let mut pictures = Vec::new();
+                for (i, image) in images.iter().enumerate() {
+                    // Several are numbered.
+                    let name = |name: &str, end: &str| match images.len() {
+                        1 => format!("{name}.{end}"),
+                        _ => format!("{name}-{}.{end}", i + 1),
+                    };
+                    pictures.push((name("positions", "png"), grid::points_png(image)?));
+                    pictures.push((name("normals", "png"), grid::normals_png(image)?));
+                    pictures.push((name("geometry", "exr"), image.to_exr()?));
+                }
                 return Ok((decoder.decode_with(task)?, decoder.info().clone(), pictures));
             }
             let image = VertexImage::of_file(&decoder, task)?;
             let pictures = vec![
-                ("positions.png", image.positions_png()?),
-                ("normals.png", image.normals_png()?),
-                ("index.png", image.index_png()?),
+                ("positions.png".to_string(), image.positions_png()?),
+                ("normals.png".to_string(), image.normals_png()?),
+                ("index.png".to_string(), image.index_png()?),
             ];
             Ok((image.mesh, decoder.info().clone(), pictures))
         });

@@ -15,12 +15,15 @@ pub(super) struct GimFlags {
     /// Samples a side: a number, best of the form 2^k + 1 or 3 · 2^k + 1, or auto [default: auto, as many as the target needs].
     #[arg(long, value_name = "N", value_parser = grid)]
     grid: Option<Grid>,
-    /// The papers' own choices, a fast good one, or the smallest file [default]; the next three flags change parts of it.
+    /// The papers' own choices, a fast good one, or the smallest file [default]; the next four flags change parts of it.
     #[arg(long, value_enum)]
     preset: Option<Preset>,
     /// How the surface is flattened.
     #[arg(long, value_enum)]
     param: Option<Param>,
+    /// What becomes the border of the image, where the surface has one.
+    #[arg(long, value_enum)]
+    border: Option<Border>,
     /// Where samples are taken.
     #[arg(long, value_enum)]
     sampling: Option<Sampling>,
@@ -40,7 +43,7 @@ pub(super) struct GimFlags {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Preset {
-    /// --param yoshizawa --adjust hausdorff.
+    /// --param yoshizawa --border square --adjust hausdorff.
     Paper,
     /// --param yoshizawa --adjust fit.
     Quality,
@@ -58,6 +61,14 @@ enum Param {
     Yoshizawa,
     /// Newton's method on the stretch.
     Stretch,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Border {
+    /// The longest boundary loop if it is long for the surface; else loops are holes in a closed surface.
+    Auto,
+    /// Always the longest boundary loop.
+    Square,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -113,6 +124,11 @@ impl GimFlags {
             Some(Param::Meanvalue) => gimc::Param::MeanValue,
             Some(Param::Yoshizawa) => gimc::Param::Yoshizawa,
             Some(Param::Stretch) => gimc::Param::Stretch,
+        };
+        choices.border = match self.border {
+            None => choices.border,
+            Some(Border::Auto) => gimc::Border::Auto,
+            Some(Border::Square) => gimc::Border::Square,
         };
         choices.sampling = match self.sampling {
             None => choices.sampling,

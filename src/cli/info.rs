@@ -52,6 +52,9 @@ fn json(info: &gimc::Info, bytes: usize, bpv: f64) -> String {
         ("psnr", info.psnr.map_or(Json::Null, Json::from)),
         ("levels", u32::from(info.levels).into()),
         ("gluing", info.gluing.map_or(Json::Null, |gluing| gluing_name(gluing).into())),
+        ("images", info.images.into()),
+        ("seams", info.seams.into()),
+        ("holes", info.has_holes.into()),
         ("history", info.history.as_deref().map_or(Json::Null, Json::from)),
         ("rows", info.image.map_or(Json::Null, |[rows, _]| rows.into())),
         ("columns", info.image.map_or(Json::Null, |[_, columns]| columns.into())),
@@ -116,7 +119,8 @@ fn text(info: &gimc::Info, file: &str, bytes: usize, bpv: f64) -> String {
         table.row(format!("on {on}"), format!("{kind} `{name}`, {accuracy}: {} bytes", thousands(*bytes)));
     }
     if let Some([rows, columns]) = info.image {
-        table.row("image", format!("{rows} rows, {columns} columns"));
+        let others = if info.images > 1 { format!(" in the largest of {}", info.images) } else { String::new() };
+        table.row("image", format!("{rows} rows, {columns} columns{others}"));
     }
     if let Some(boundaries) = info.boundaries {
         let how = if boundaries == "exact" { "an index map" } else { "the cluster phase, from run counts" };
@@ -130,7 +134,9 @@ fn text(info: &gimc::Info, file: &str, bytes: usize, bpv: f64) -> String {
     }
     if let Some(gluing) = info.gluing {
         let levels = if info.levels == 0 { String::new() } else { format!(", {} coarser levels", info.levels) };
-        table.row("border", format!("{}{levels}", gluing_name(gluing)));
+        let seams = if info.seams > 0 { format!(", {} seams", info.seams) } else { String::new() };
+        let holes = if info.has_holes { ", with holes" } else { "" };
+        table.row("border", format!("{}{seams}{holes}{levels}", gluing_name(gluing)));
     }
     if let Some(history) = &info.history {
         table.row("history", history);

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use gimc::picture::{Camera, VertexImage, grid, resize, shade};
-use gimc::{Decoder, ResizeOptions};
+use gimc::{Decoder, GeometryImage, ResizeOptions};
 
 use super::failure::Failure;
 use super::{Common, LimitFlags, Outcome, input, output};
@@ -31,6 +31,9 @@ pub(super) struct View {
     /// Of a geometry image only a coarser level: each halves its sides.
     #[arg(long, value_name = "L")]
     level: Option<u8>,
+    /// Of a file of several geometry images, which one [default: the largest].
+    #[arg(long, value_name = "N")]
+    chart: Option<usize>,
     /// Of a warp: the columns and rows of its target [default: half the sides].
     #[arg(long, value_name = "WxH", value_parser = size)]
     to: Option<(u32, u32)>,
@@ -115,7 +118,7 @@ impl View {
                     return shaded(&decoder.decode_with(task)?);
                 }
                 if decoder.info().method == "gim" {
-                    let image = decoder.geometry_image_with(task)?;
+                    let image = chosen(decoder.geometry_images_with(task)?, self.chart)?;
                     return match self.what {
                         What::Normals => grid::normals_png(&image),
                         What::Saliency => resize::saliency_png(&image, &ResizeOptions::default()),
@@ -145,5 +148,15 @@ impl View {
         let picture = picture.map_err(|e| Failure::in_file(&file, e))?;
         output::write(&self.out, |out| Ok(out.write_all(&picture)?))?;
         Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// The image of a number, or the largest.
+fn chosen(mut images: Vec<GeometryImage>, number: Option<usize>) -> gimc::Result<GeometryImage> {
+    let count = images.len();
+    let largest = (0..count).rev().max_by_key(|&i| images[i].points().len());
+    match number.map_or(largest, |n| n.checked_sub(1)).filter(|&i| i < count) {
+        Some(i) => Ok(images.swap_remove(i)),
+        None => Err(gimc::Error::Parameter(format!("the file holds {count} geometry images; --chart counts from 1"))),
     }
 }

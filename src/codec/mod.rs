@@ -3,6 +3,7 @@
 #[cfg(feature = "exr")]
 mod exr;
 pub(crate) mod j2k;
+pub(crate) mod mask;
 pub(crate) mod mbcim;
 mod raw;
 pub(crate) mod wavelet;

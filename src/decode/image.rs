@@ -2,7 +2,7 @@
 
 use super::{ChunkInfo, Content, Decoder, Info};
 use crate::charts;
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use crate::format::{Chunks, ImageBody, ImageChunk};
 use crate::limits::{Budget, Limits};
 use crate::mesh::Scalar;
@@ -11,15 +11,16 @@ use crate::surface::Effort;
 use crate::task::Task;
 
 impl<'a> Decoder<'a> {
-    pub(super) fn of_image(bytes: &'a [u8], chunks: &Chunks<'a>, limits: Limits) -> Result<Self> {
+    pub(super) fn of_images(bytes: &'a [u8], chunks: &Chunks<'a>, limits: Limits) -> Result<Self> {
         chunks.check_known(&[ImageChunk::TAG])?;
-        let chunk = ImageChunk::read(chunks.one(ImageChunk::TAG)?.reader())?;
-        let info = Info::of_image(bytes, chunks, &chunk)?;
-        Ok(Self { content: Content::Image(chunk), level: 0, recipe: None, limits, info })
+        let of_images = chunks.iter().filter(|chunk| chunk.tag == ImageChunk::TAG);
+        let images: Vec<_> = of_images.map(|chunk| ImageChunk::read(chunk.reader())).collect::<Result<_>>()?;
+        let info = Info::of_images(bytes, chunks, &images)?;
+        Ok(Self { content: Content::Images(images), level: 0, recipe: None, limits, info })
     }
 
-    /// Decodes a geometry image only down to a level: 0 is all of it, each further level halves its sides. Levels that the
-    /// file has not are the coarsest that it has; files of other methods have none.
+    /// Decodes geometry images only down to a level: 0 is all of them, each further level halves their sides. Levels that
+    /// an image has not are the coarsest that it has; files of other methods have none.
     pub fn level(mut self, level: u8) -> Self {
         self.level = level.min(self.info.levels);
         self
@@ -28,7 +29,7 @@ impl<'a> Decoder<'a> {
     /// Decodes the geometry image of a file of the method `gim`, at the level asked for.
     ///
     /// # Errors
-    /// As [`Decoder::decode`], and files that hold no geometry image.
+    /// As [`Decoder::decode`], and files that hold no geometry image, or several.
     pub fn geometry_image(&self) -> Result<GeometryImage> {
         self.geometry_image_with(Task::default())
     }
@@ -38,28 +39,62 @@ impl<'a> Decoder<'a> {
     /// # Errors
     /// As [`Decoder::geometry_image`], and [`Error::Cancelled`].
     pub fn geometry_image_with(&self, task: Task<'_>) -> Result<GeometryImage> {
-        let Content::Image(chunk) = &self.content else {
+        let mut images = self.geometry_images_with(task)?;
+        match (images.pop(), images.len()) {
+            (Some(image), 0) => Ok(image),
+            (_, others) => Err(Error::Parameter(format!("the file holds {} geometry images, not one", others + 1))),
+        }
+    }
+
+    /// Decodes all geometry images of a file of the method `gim`, at the level asked for.
+    ///
+    /// # Errors
+    /// As [`Decoder::decode`], files that hold no geometry image, and [`Error::Cancelled`].
+    pub fn geometry_images_with(&self, task: Task<'_>) -> Result<Vec<GeometryImage>> {
+        let Content::Images(chunks) = &self.content else {
             return Err(Error::Parameter("the file holds a mesh with its own connectivity and no geometry image".into()));
         };
         task.step(0.0)?;
         let mut budget = Budget::new(self.limits);
-        let [columns, rows] = charts::size_at(chunk, self.level)?;
-        budget.check_vertices(crate::format::vertices(columns, rows, chunk.gluing))?;
-        charts::read(chunk, self.level, &mut budget, task)
+        let mut vertices = 0_u64;
+        for chunk in chunks {
+            vertices = vertices.saturating_add(charts::vertices_at(chunk, self.level)?);
+        }
+        budget.check_vertices(vertices)?;
+        chunks.iter().map(|chunk| charts::read(chunk, self.level, &mut budget, task)).collect()
     }
 }
 
 impl Info {
-    fn of_image(bytes: &[u8], chunks: &Chunks<'_>, chunk: &ImageChunk<'_>) -> Result<Self> {
-        let (memory, work) = charts::cost(chunk, 0)?;
-        let positions = chunk.bytes.len() as u64;
-        let (levels, step, bounds, origin, bits) = match chunk.body {
-            ImageBody::Wavelet { levels, step, bounds } => (levels, step.into(), bounds.bounds(), [0.0; 3], None),
-            ImageBody::Planes { depth, lattice, .. } => {
-                let bounds = [lattice.origin, lattice.point([(1 << depth) - 1; 3])];
-                (0, lattice.step, bounds, lattice.origin, Some(depth.into()))
-            }
+    fn of_images(bytes: &[u8], chunks: &Chunks<'_>, images: &[ImageChunk<'_>]) -> Result<Self> {
+        let (mut memory, mut work, mut vertices, mut faces, mut positions) = (0_u64, 0_u64, 0_u64, 0_u64, 0);
+        let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        let mut levels = 0;
+        for image in images {
+            let cost = charts::cost(image, 0)?;
+            (memory, work) = (memory.saturating_add(cost.0), work.saturating_add(cost.1));
+            (vertices, faces) = (vertices + image.vertices(), faces + image.faces());
+            positions += image.bytes.len() as u64;
+            let [low, high] = image.bounds();
+            (0..3).for_each(|i| (bounds[0][i], bounds[1][i]) = (bounds[0][i].min(low[i]), bounds[1][i].max(high[i])));
+            levels = levels.max(image.levels());
+        }
+        let whole = |n: u64, what: &str| {
+            u32::try_from(n)
+                .map_err(|_| Error::malformed(Place::Whole, format!("images of {n} {what}, more than 32 bits count")))
         };
+        let Some(chunk) = images.first() else { return Err(Error::malformed(Place::Whole, "no geometry image")) };
+        if images.iter().any(|image| image.double != chunk.double) {
+            return Err(Error::malformed(Place::Whole, "images of different number types"));
+        }
+        if images[1..].iter().any(|image| image.psnr.is_some() || image.bound.is_some()) {
+            return Err(Error::malformed(Place::Whole, "a psnr or a bound of an image that is not the first"));
+        }
+        let (step, origin, bits) = match chunk.body {
+            ImageBody::Wavelet { step, .. } => (step.into(), [0.0; 3], None),
+            ImageBody::Planes { depth, lattice, .. } => (lattice.step, lattice.origin, Some(depth.into())),
+        };
+        let largest = images.iter().max_by_key(|image| u64::from(image.rows) * u64::from(image.columns)).unwrap_or(chunk);
         let history = chunks.iter().find(|chunk| chunk.tag == ImageChunk::HISTORY);
         let info =
             |chunk: &crate::format::Chunk<'_>| ChunkInfo { tag: chunk.tag.escape_ascii().to_string(), bytes: chunk.size };
@@ -68,8 +103,8 @@ impl Info {
             method: "gim",
             codec: charts::codec_name(&chunk.body),
             effort: Effort::Default,
-            vertices: chunk.vertices() as u32,
-            faces: chunk.faces() as u32,
+            vertices: whole(vertices, "vertices")?,
+            faces: whole(faces, "triangles")?,
             bounds,
             origin,
             step,
@@ -85,7 +120,10 @@ impl Info {
             attributes: Vec::new(),
             chunks: chunks.iter().map(info).collect(),
             parts: vec![("header", bytes.len() as u64 - positions), ("positions", positions)],
-            image: Some([chunk.rows, chunk.columns]),
+            image: Some([largest.rows, largest.columns]),
+            seams: images.iter().filter_map(|image| image.seams.as_ref()).map(|seams| seams.sides().len() / 2).sum(),
+            has_holes: images.iter().any(|image| image.holes.is_some()),
+            images: images.len(),
             stages: Vec::new(),
             stages_present: 0,
             boundaries: None,

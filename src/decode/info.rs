@@ -57,7 +57,13 @@ pub struct Info {
     pub chunks: Vec<ChunkInfo>,
     /// The bytes by what they are for; they add up to the size of the file.
     pub parts: Vec<(&'static str, u64)>,
-    /// Rows and columns of the geometry image, or of the image of vertices if the file says how to make one.
+    /// Seams along which the borders of geometry images are glued.
+    pub seams: usize,
+    /// Whether parts of geometry images are no surface.
+    pub has_holes: bool,
+    /// How many geometry images there are; 0 in files of other methods.
+    pub images: usize,
+    /// Rows and columns of the largest geometry image, or of the image of vertices if the file says how to make one.
     pub image: Option<[u32; 2]>,
     /// Bits that each stage after the first adds to every coordinate; one entry a stage.
     pub stages: Vec<u8>,
@@ -186,6 +192,9 @@ impl Info {
                 .map(|chunk| ChunkInfo { tag: chunk.tag.escape_ascii().to_string(), bytes: chunk.size })
                 .collect(),
             parts,
+            seams: 0,
+            has_holes: false,
+            images: 0,
             image,
             stages,
             stages_present,

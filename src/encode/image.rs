@@ -41,12 +41,13 @@ impl EncodeOptions {
                 mesh.check()?;
                 Judge::new(mesh)?
             }
-            None => Judge::new(&charts::mesh(image, Scalar::F64)?)?,
+            None => Judge::new(&charts::mesh(&[image], Scalar::F64)?)?,
         };
         let how = charts::How { codec: self.codec, precision };
         let aim = self.aim(&judge, task);
-        let found = charts::search(image, how, &aim, None)?;
-        let found = charts::finish(image, how, &aim, found)?;
+        let images = std::slice::from_ref(image);
+        let found = charts::search(images, how, &aim, None)?;
+        let found = charts::finish(images, how, &aim, found)?;
         Self::encoded(aim.file(&found)?, original.map_or(Vec::new(), notes))
     }
 

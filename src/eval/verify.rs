@@ -94,8 +94,9 @@ fn canonical(bytes: &[u8]) -> std::result::Result<String, String> {
     let read = || -> Result<bool> {
         let chunks = Chunks::read(bytes)?;
         if chunks.first() == Some(ImageChunk::TAG) {
-            let chunk = chunks.one(ImageChunk::TAG)?;
-            return Ok(ImageChunk::read(chunk.reader())?.write() == chunk.payload);
+            let images = chunks.iter().filter(|chunk| chunk.tag == ImageChunk::TAG);
+            let same = images.map(|chunk| Ok(ImageChunk::read(chunk.reader())?.write() == chunk.payload));
+            return same.collect::<Result<Vec<bool>>>().map(|same| same.into_iter().all(|same| same));
         }
         let chunk = chunks.one(Header::TAG)?;
         Ok(Header::read(chunk.reader())?.write() == chunk.payload)

@@ -4,7 +4,7 @@ use crate::bits::Reader;
 #[cfg(feature = "encode")]
 use crate::bits::Writer;
 use crate::error::Result;
-use crate::plane::{Gluing, Lattice, MAX_DEPTH};
+use crate::plane::{Gluing, Lattice, MAX_DEPTH, Seams, Shape};
 
 /// A geometry image: the first chunk of its file, which needs no other.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,12 +14,26 @@ pub(crate) struct ImageChunk<'a> {
     pub(crate) double: bool,
     pub(crate) columns: u32,
     pub(crate) rows: u32,
+    /// How an open border is glued further.
+    pub(crate) seams: Option<Seams>,
+    pub(crate) holes: Option<HolesField<'a>>,
     pub(crate) body: ImageBody,
     /// The psnr of the whole image against its original, in hundredths of a dB, rounded down.
     pub(crate) psnr: Option<u16>,
     /// No point of either surface is farther than this from the other, in the units of the mesh.
     pub(crate) bound: Option<f32>,
     /// The image, as its codec has it.
+    pub(crate) bytes: &'a [u8],
+}
+
+/// Squares that are no part of the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct HolesField<'a> {
+    /// Vertices of what is left.
+    pub(crate) vertices: u32,
+    /// Squares that are left.
+    pub(crate) squares: u32,
+    /// The mask.
     pub(crate) bytes: &'a [u8],
 }
 
@@ -108,10 +122,13 @@ impl CoarseBox {
 }
 
 const GLUING: u8 = 3;
+const ORBIFOLD: u8 = 1;
+const SEAMS: u8 = 2;
 const DOUBLE: u8 = 1 << 2;
 const NOT_SQUARE: u8 = 1 << 3;
 const PSNR: u8 = 1 << 4;
 const BOUND: u8 = 1 << 5;
+const HOLES: u8 = 1 << 6;
 
 /// Numbers of 16 bits: the upper half of an `f32`.
 #[cfg(feature = "encode")]
@@ -126,6 +143,21 @@ pub(crate) fn short(x: f64, up: bool) -> f32 {
     }
 }
 
+impl<'a> HolesField<'a> {
+    fn read(r: &mut Reader<'a>, [columns, rows]: [u32; 2]) -> Result<Self> {
+        let all = u64::from(columns.saturating_sub(1)) * u64::from(rows.saturating_sub(1));
+        let mut count = |what: &str, most: u64| {
+            let n = r.varint(what)?;
+            if n >= 1 && n <= most { Ok(n) } else { Err(r.error(format!("{n} {what}, 1 to {most} expected"))) }
+        };
+        // Two fans at a point make two vertices of it.
+        let vertices = count("vertices", (4 * all).min(u32::MAX.into()))? as u32;
+        let squares = count("squares", all.min(u32::MAX.into()))? as u32;
+        let length = usize::try_from(r.varint("the bytes of holes")?).unwrap_or(usize::MAX);
+        Ok(Self { vertices, squares, bytes: r.take(length, "the holes")? })
+    }
+}
+
 impl<'a> ImageChunk<'a> {
     pub(crate) const TAG: [u8; 4] = *b"GIMG";
     /// How an image came about, in the words of its makers; ancillary.
@@ -133,11 +165,22 @@ impl<'a> ImageChunk<'a> {
 
     /// Vertices of the mesh at full size.
     pub(crate) fn vertices(&self) -> u64 {
-        vertices(self.columns, self.rows, self.gluing)
+        let (columns, rows) = (u64::from(self.columns), u64::from(self.rows));
+        match (&self.holes, &self.seams) {
+            (Some(holes), _) => holes.vertices.into(),
+            (None, Some(seams)) => seams.vertices(columns.saturating_sub(1)),
+            (None, None) if self.gluing == Gluing::Orbifold => {
+                columns.saturating_sub(1).saturating_mul(rows.saturating_sub(1)).saturating_add(2)
+            }
+            (None, None) => columns.saturating_mul(rows),
+        }
     }
 
     /// Triangles of the mesh at full size.
     pub(crate) fn faces(&self) -> u64 {
+        if let Some(holes) = &self.holes {
+            return 2 * u64::from(holes.squares);
+        }
         2 * u64::from(self.columns.saturating_sub(1)) * u64::from(self.rows.saturating_sub(1))
     }
 
@@ -148,17 +191,31 @@ impl<'a> ImageChunk<'a> {
             ImageBody::Wavelet { .. } => 0,
             ImageBody::Planes { codec, .. } => 1 + codec as u8,
         });
-        let gluing = if self.gluing == Gluing::Orbifold { 1 } else { 0 };
+        let gluing = match (self.gluing, &self.seams) {
+            (_, Some(_)) => SEAMS,
+            (Gluing::Orbifold, None) => ORBIFOLD,
+            (Gluing::Open, None) => 0,
+        };
         let flag = |set: bool, flag: u8| if set { flag } else { 0 };
         let square = self.columns == self.rows;
         w.u8(gluing
             | flag(self.double, DOUBLE)
             | flag(!square, NOT_SQUARE)
             | flag(self.psnr.is_some(), PSNR)
-            | flag(self.bound.is_some(), BOUND));
+            | flag(self.bound.is_some(), BOUND)
+            | flag(self.holes.is_some(), HOLES));
         w.varint(self.columns.into());
         if !square {
             w.varint(self.rows.into());
+        }
+        if let Some(seams) = &self.seams {
+            super::seams::write(seams, &mut w);
+        }
+        if let Some(holes) = &self.holes {
+            w.varint(holes.vertices.into());
+            w.varint(holes.squares.into());
+            w.varint(holes.bytes.len() as u64);
+            w.bytes(holes.bytes);
         }
         let upper_half = |x: f32| ((x.to_bits() >> 16) as u16).to_le_bytes();
         match self.body {
@@ -182,16 +239,38 @@ impl<'a> ImageChunk<'a> {
         w.into_bytes()
     }
 
+    /// The corners of a box that holds all points.
+    pub(crate) fn bounds(&self) -> [[f64; 3]; 2] {
+        match self.body {
+            ImageBody::Wavelet { bounds, .. } => bounds.bounds(),
+            ImageBody::Planes { depth, lattice, .. } => [lattice.origin, lattice.point([(1 << depth) - 1; 3])],
+        }
+    }
+
+    /// How often the image can be halved.
+    pub(crate) fn levels(&self) -> u8 {
+        match self.body {
+            ImageBody::Wavelet { levels, .. } => levels.min(self.seam_levels()),
+            ImageBody::Planes { .. } => 0,
+        }
+    }
+
+    /// How often the image can be halved so that its seams still fit.
+    fn seam_levels(&self) -> u8 {
+        let levels = |seams: &Seams| Shape::new(self.columns, self.rows).map_or(0, |shape| seams.levels(shape));
+        self.seams.as_ref().map_or(u8::MAX, levels)
+    }
+
     pub(crate) fn read(mut r: Reader<'a>) -> Result<Self> {
         let codec = r.u8("the codec")?;
         let flags = r.u8("the flags")?;
         let gluing = match flags & GLUING {
-            0 => Gluing::Open,
-            1 => Gluing::Orbifold,
+            0 | SEAMS => Gluing::Open,
+            ORBIFOLD => Gluing::Orbifold,
             other => return Err(crate::Error::Unsupported { what: "gluing", id: other.to_string() }),
         };
-        if flags >= BOUND << 1 {
-            return Err(r.error(format!("flags of {flags:#04x}, below 0x40 expected")));
+        if flags >= HOLES << 1 {
+            return Err(r.error(format!("flags of {flags:#04x}, below 0x80 expected")));
         }
         let mut side = |what| {
             let n = r.varint(what)?;
@@ -202,6 +281,12 @@ impl<'a> ImageChunk<'a> {
         if flags & NOT_SQUARE != 0 && rows == columns {
             return Err(r.error("a square that is said not to be one"));
         }
+        let seams = if flags & GLUING == SEAMS { Some(super::seams::read(&mut r)?) } else { None };
+        if let Some(seams) = &seams {
+            let fits = Shape::new(columns, rows).and_then(|shape| seams.check(shape));
+            fits.map_err(|why| r.error(why.to_string()))?;
+        }
+        let holes = if flags & HOLES == 0 { None } else { Some(HolesField::read(&mut r, [columns, rows])?) };
         let body = match codec {
             0 => {
                 let levels = r.u8("the levels")?;
@@ -239,22 +324,13 @@ impl<'a> ImageChunk<'a> {
             return Err(r.error(format!("a bound of {bound}")));
         }
         let double = flags & DOUBLE != 0;
-        let chunk = Self { gluing, double, columns, rows, body, psnr, bound, bytes: r.rest() };
+        let chunk = Self { gluing, double, columns, rows, seams, holes, body, psnr, bound, bytes: r.rest() };
         if chunk.vertices() > u64::from(u32::MAX) || chunk.faces() > u64::from(u32::MAX) {
             return Err(
                 r.error(format!("an image of {columns} x {rows} samples has more vertices or faces than 32 bits count"))
             );
         }
         Ok(chunk)
-    }
-}
-
-/// How many samples are not glued to an earlier one.
-pub(crate) fn vertices(columns: u32, rows: u32, gluing: Gluing) -> u64 {
-    let (columns, rows) = (u64::from(columns), u64::from(rows));
-    match gluing {
-        Gluing::Orbifold => columns.saturating_sub(1).saturating_mul(rows.saturating_sub(1)).saturating_add(2),
-        _ => columns.saturating_mul(rows),
     }
 }
 
@@ -266,6 +342,7 @@ fn upper_half(r: &mut Reader<'_>, what: &str) -> Result<f32> {
 #[cfg(all(test, feature = "encode"))]
 mod tests {
     use super::*;
+    use crate::plane::BorderSide;
 
     fn chunks() -> Vec<ImageChunk<'static>> {
         let bounds = CoarseBox::around([[-1.0, 0.2, 5e5], [1.5, 0.9, 5e5 + 3.0]], 1e-3);
@@ -277,17 +354,25 @@ mod tests {
             double: columns == 5,
             columns,
             rows,
+            seams: None,
+            holes: None,
             body,
             psnr,
             bound,
             bytes: b"body",
         };
+        let sides = [2, 3, 0, 1].map(|mate| BorderSide { length: 8, mate });
+        let seams = Seams::new(8, 3, sides.to_vec()).unwrap();
+        let holes = HolesField { vertices: 900, squares: 700, bytes: b"holes" };
         vec![
             chunk(Gluing::Orbifold, 257, 257, wavelet, Some(7012), Some(short(0.3, true))),
             chunk(Gluing::Open, 100, 37, wavelet, None, None),
             chunk(Gluing::Open, 5, 5, planes(PlanesBy::Raw), Some(1), None),
             chunk(Gluing::Orbifold, 5, 7, planes(PlanesBy::J2k), None, Some(0.0)),
             chunk(Gluing::Open, 5, 7, planes(PlanesBy::Exr), None, None),
+            ImageChunk { seams: Some(seams.clone()), ..chunk(Gluing::Open, 33, 33, wavelet, None, None) },
+            ImageChunk { seams: Some(seams), holes: Some(holes), ..chunk(Gluing::Open, 33, 33, wavelet, None, Some(1.0)) },
+            ImageChunk { holes: Some(holes), ..chunk(Gluing::Orbifold, 33, 35, wavelet, None, None) },
         ]
     }
 

@@ -67,6 +67,8 @@ struct Squares<'a> {
     /// The samples that each representative stands for, if more than itself.
     glued: Vec<Vec<u32>>,
     forced: Vec<Option<bool>>,
+    /// Whether each square is no part of the surface.
+    hole: Vec<bool>,
     points: Vec<DVec3>,
     /// Sorted by square; those of square `s` are `starts[s] .. starts[s + 1]`.
     probes: Vec<Probe>,
@@ -96,15 +98,18 @@ impl Region {
         };
         let touched = squares.touching(steps);
         let mut homes = sorted(touched.iter().flat_map(|&s| squares.around(s, RADIUS)).collect());
-        let window = sorted(homes.iter().flat_map(|&s| squares.around(s, RADIUS)).collect());
+        let parts = homes.iter().flat_map(|&s| squares.around(s, RADIUS)).filter(|&s| !squares.hole[s]);
+        let window = sorted(parts.collect());
         // What stops a step is most often the peak itself.
         homes.sort_by_key(|&s| s != square);
         let before = homes.iter().map(|&s| squares.from_original[s]);
         let before = before.chain(touched.iter().map(|&s| squares.from_image[s])).fold(0.0, f64::max);
         let place = |s: usize| window.binary_search(&s).unwrap_or(0) as u32;
         // Its own square is the likeliest to be nearest, and spares a probe most of the others.
-        let looks_at =
-            |s: usize| std::iter::once(s).chain(squares.around(s, RADIUS).filter(move |&t| t != s)).map(place).collect();
+        let looks_at = |s: usize| {
+            let around = std::iter::once(s).chain(squares.around(s, RADIUS).filter(move |&t| t != s));
+            around.filter(|&s| !squares.hole[s]).map(place).collect()
+        };
         let homes = homes.iter().map(|&s| (s, looks_at(s))).collect();
         Self { touched, homes, window, before }
     }
@@ -154,7 +159,7 @@ pub(super) fn adjust(target: &Target, solids: &[Triangle], image: &GeometryImage
         }
     }
     let points = squares.of.iter().map(|&r| squares.points[r as usize].to_array()).collect();
-    GeometryImage::new(image.width(), image.height(), image.gluing(), points)
+    image.with_points(points)
 }
 
 impl<'a> Squares<'a> {
@@ -167,6 +172,7 @@ impl<'a> Squares<'a> {
         }
         let count = (width - 1) * (height - 1);
         let forced = (0..count).map(|s| image.forced_diagonal(s / (width - 1), s % (width - 1))).collect();
+        let hole = (0..count).map(|s| image.is_hole(s / (width - 1), s % (width - 1))).collect();
         let points = image.points().iter().map(|&p| p.into()).collect();
         let mut squares = Self {
             target,
@@ -175,6 +181,7 @@ impl<'a> Squares<'a> {
             of,
             glued,
             forced,
+            hole,
             points,
             probes: Vec::new(),
             starts: vec![0; count + 1],
@@ -191,8 +198,9 @@ impl<'a> Squares<'a> {
     /// Finds for each point of the original the square that is nearest.
     fn set_probes(&mut self, solids: &[Triangle], task: &Task<'_>) {
         let count = self.from_image.len();
-        let triangles: Vec<Triangle> =
-            (0..count).flat_map(|s| self.triangles(s, |v| self.points[v as usize]).map(|t| t.0)).collect();
+        let parts: Vec<usize> = (0..count).filter(|&s| !self.hole[s]).collect();
+        let of_square = |&s: &usize| self.triangles(s, |v| self.points[v as usize]).map(|t| t.0);
+        let triangles: Vec<Triangle> = parts.iter().flat_map(of_square).collect();
         let tree = Bvh::new(&triangles);
         let area: f64 = triangles.iter().map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length()).sum();
         let spacing = (area / count as f64).sqrt() / 3.0;
@@ -210,7 +218,7 @@ impl<'a> Squares<'a> {
         let found = chunks(points.len(), task, |i, hint| {
             let hit = tree.closest(points[i], *hint);
             *hint = hit.map_or(0, |h| h.slot);
-            hit.map_or((0, 0.0), |h| (tree.id(h.slot) as usize / 2, h.distance2))
+            hit.map_or((0, 0.0), |h| (parts[tree.id(h.slot) as usize / 2], h.distance2))
         });
         for &(s, _) in &found {
             self.starts[s + 1] += 1;
@@ -257,7 +265,7 @@ impl<'a> Squares<'a> {
     /// The squared distance from a probe of a square to the image, and the triangle that is nearest.
     fn probe(&self, square: usize, p: DVec3, at: &impl Fn(u32) -> DVec3) -> (f64, Triangle, [u32; 3]) {
         let mut best = (f64::INFINITY, [DVec3::ZERO; 3], [0; 3]);
-        for s in self.around(square, RADIUS) {
+        for s in self.around(square, RADIUS).filter(|&s| !self.hole[s]) {
             for (t, samples) in self.triangles(s, at) {
                 let d = distance2(p, t);
                 if d < best.0 {
@@ -271,6 +279,9 @@ impl<'a> Squares<'a> {
     /// The greatest squared distance from a square's places to the original; may stop once it is `enough`.
     fn square_to_original(&self, square: usize, at: impl Fn(u32) -> DVec3, enough: f64, hint: &mut u32) -> f64 {
         let mut worst = 0.0_f64;
+        if self.hole[square] {
+            return worst;
+        }
         for (t, _) in self.triangles(square, &at) {
             for w in PLACES {
                 let p = t[0] * w[0] + t[1] * w[1] + t[2] * w[2];

@@ -108,7 +108,7 @@ impl Target {
             let r = representatives[p] as usize;
             (points[r] + normals[r] * h[heights.unknown[r] as usize]).to_array()
         };
-        GeometryImage::new(image.width(), image.height(), image.gluing(), (0..points.len()).map(at).collect())
+        image.with_points((0..points.len()).map(at).collect())
     }
 
     /// From the image's vertices (unknown, coefficient, right side) and its triangles' centres to the surface.

@@ -7,14 +7,15 @@ use glam::{DVec2, DVec3};
 use super::Adjust;
 use super::adjust::adjust;
 use super::fit::{Damping, Target};
+use super::rim::Rim;
 use super::sampling::Sampling;
 use super::spread::Sample;
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Bvh};
 use crate::mesh::HalfEdges;
 use crate::par;
-use crate::param::{self, Chart, Param};
-use crate::plane::{GeometryImage, Gluing};
+use crate::param::{self, Chart, Flattening};
+use crate::plane::{GeometryImage, Gluing, Mask, Shape};
 use crate::task::Task;
 
 /// Rounds of [`Adjust::Fit`].
@@ -53,24 +54,32 @@ pub(crate) struct Map {
     cover: Bvh,
     /// The chart's triangle that each of them is a copy of.
     origin: Vec<u32>,
+    /// Where filled holes begin, if there are any.
+    rim: Option<Rim>,
     /// The surface itself, for whoever moves samples.
     target: OnceLock<Target>,
 }
 
 impl Map {
-    /// Flattens a connected surface of genus 0, closed or with one boundary loop.
-    pub(crate) fn new(mesh: &HalfEdges, positions: &[[f64; 3]], param: Param, task: &Task<'_>) -> Result<Self> {
+    /// Flattens a connected surface.
+    pub(crate) fn new(mesh: &HalfEdges, positions: &[[f64; 3]], how: Flattening, task: &Task<'_>) -> Result<Self> {
         let frame = Frame::around(positions);
         let scaled: Vec<DVec3> = positions.iter().map(|&p| frame.inside(p)).collect();
-        let chart = param::flatten(mesh.clone(), scaled, param, task)?;
+        let chart = param::flatten(mesh.clone(), scaled, how, task)?;
         let (cover, origin) = chart.cover();
+        let rim = Rim::new(&chart, &cover, &origin);
         let cover = Bvh::new(&cover.iter().map(|t| t.map(|p| p.extend(0.0))).collect::<Vec<_>>());
-        Ok(Self { chart, frame, cover, origin, target: OnceLock::new() })
+        Ok(Self { chart, frame, cover, origin, rim, target: OnceLock::new() })
     }
 
     /// How images of the chart are glued.
     pub(crate) fn gluing(&self) -> Gluing {
         self.chart.gluing
+    }
+
+    /// Squares a side are a multiple of this.
+    pub(crate) fn grains(&self) -> usize {
+        self.chart.seams.as_ref().map_or(1, |seams| seams.grains() as usize)
     }
 
     /// The stretch of the chart from the square to the surface: 1 if it only scales.
@@ -80,8 +89,7 @@ impl Map {
 
     /// The area of the surface, in the square of the mesh's units.
     pub(crate) fn area(&self) -> f64 {
-        let sum: f64 =
-            (0..self.chart.faces()).map(|f| self.chart.solid(f)).map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
+        let sum: f64 = self.chart.solids().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
         sum / (self.frame.scale * self.frame.scale)
     }
 
@@ -90,7 +98,19 @@ impl Map {
         if side < 2 {
             return Err(Error::Parameter(format!("{side} samples a side; at least 2 are needed")));
         }
-        let points = sampling.points(side, self.gluing(), || self.chart.flat_vertices());
+        if !(side - 1).is_multiple_of(self.grains()) {
+            let grains = self.grains();
+            let next = (side - 1).div_ceil(grains) * grains + 1;
+            return Err(Error::Parameter(format!(
+                "{side} samples a side; the seams of this surface need one more than a multiple of {grains}, such as {next}"
+            )));
+        }
+        let squares = Shape::new(side as u32 - 1, side as u32 - 1)?;
+        let mut points = sampling.points(side, self.gluing(), || self.chart.flat_vertices());
+        let holes = self.holes(&points, squares);
+        if let Some(rim) = &self.rim {
+            rim.draw(&mut points, holes.as_ref(), side);
+        }
         let rows = par::map(side, |row| {
             let mut hint = 0;
             if task.is_over() {
@@ -99,15 +119,46 @@ impl Map {
             points[row * side..(row + 1) * side].iter().map(|&u| self.at(u, &mut hint)).collect::<Vec<_>>()
         });
         task.step(1.0)?;
-        GeometryImage::new(side, side, self.gluing(), rows.into_iter().flatten().collect())
+        let mut image = GeometryImage::new(side, side, self.gluing(), rows.into_iter().flatten().collect())?;
+        if let Some(seams) = &self.chart.seams {
+            image = image.with_seams(seams.clone())?;
+        }
+        match holes {
+            Some(holes) if holes.count() == squares.pixels() => {
+                Err(Error::Parameter(format!("{side} samples a side are too few to see the surface between its holes")))
+            }
+            Some(holes) => image.with_holes(holes),
+            None => Ok(image),
+        }
+    }
+
+    /// The squares whose middle is in a filled hole.
+    fn holes(&self, points: &[DVec2], squares: Shape) -> Option<Mask> {
+        self.rim.as_ref()?;
+        let (columns, side) = (squares.width(), squares.width() + 1);
+        let rows = par::map(squares.height(), |row| {
+            let mut hint = 0;
+            let mut filled = |column: usize| {
+                let at = row * side + column;
+                let middle = 0.25 * (points[at] + points[at + 1] + points[at + side] + points[at + side + 1]);
+                self.face(middle, &mut hint).is_some_and(|(_, face)| self.chart.is_filling(face))
+            };
+            (0..columns).map(&mut filled).collect::<Vec<bool>>()
+        });
+        Mask::from_bits(squares, rows.into_iter().flatten()).ok()
+    }
+
+    /// The copy that lies at a point of the square, and the triangle of the chart that it is a copy of.
+    fn face(&self, u: DVec2, hint: &mut u32) -> Option<(u32, usize)> {
+        let hit = self.cover.closest(u.extend(0.0), *hint)?;
+        *hint = hit.slot;
+        Some((hit.slot, self.origin[self.cover.id(hit.slot) as usize] as usize))
     }
 
     /// The surface's point at a point of the square.
     fn at(&self, u: DVec2, hint: &mut u32) -> [f64; 3] {
-        let Some(hit) = self.cover.closest(u.extend(0.0), *hint) else { return [0.0; 3] };
-        *hint = hit.slot;
-        let [a, b, c] = self.cover.triangles()[hit.slot as usize].map(DVec3::truncate);
-        let face = self.origin[self.cover.id(hit.slot) as usize] as usize;
+        let Some((slot, face)) = self.face(u, hint) else { return [0.0; 3] };
+        let [a, b, c] = self.cover.triangles()[slot as usize].map(DVec3::truncate);
         let weights = [(c - b).perp_dot(u - b), (a - c).perp_dot(u - c), (b - a).perp_dot(u - a)].map(|x| x.max(0.0));
         let sum: f64 = weights.iter().sum();
         let solid = self.chart.solid(face);
@@ -127,7 +178,7 @@ impl Map {
         match how {
             Adjust::None => {}
             Adjust::Hausdorff => {
-                let solids: Vec<_> = (0..self.chart.faces()).map(|f| self.chart.solid(f)).collect();
+                let solids: Vec<_> = self.chart.solids().collect();
                 image = self.framed(&image, |inside| adjust(target, &solids, inside, task))?;
             }
             Adjust::Fit => {
@@ -146,7 +197,7 @@ impl Map {
     }
 
     fn target(&self) -> &Target {
-        self.target.get_or_init(|| Target::new(&(0..self.chart.faces()).map(|f| self.chart.solid(f)).collect::<Vec<_>>()))
+        self.target.get_or_init(|| Target::new(&self.chart.solids().collect::<Vec<_>>()))
     }
 
     fn fit(&self, image: &GeometryImage, samples: &[Sample], damping: Damping, task: &Task<'_>) -> Result<GeometryImage> {
@@ -159,10 +210,9 @@ impl Map {
         image: &GeometryImage,
         what: impl FnOnce(&GeometryImage) -> Result<GeometryImage>,
     ) -> Result<GeometryImage> {
-        let (width, height, gluing) = (image.width(), image.height(), image.gluing());
         let inside = image.points().iter().map(|&p| self.frame.inside(p).to_array()).collect();
-        let done = what(&GeometryImage::new(width, height, gluing, inside)?)?;
+        let done = what(&image.with_points(inside)?)?;
         let outside = done.points().iter().map(|&p| self.frame.outside(p.into())).collect();
-        GeometryImage::new(width, height, gluing, outside)
+        image.with_points(outside)
     }
 }

@@ -8,6 +8,7 @@ mod fit;
 mod gradient;
 mod map;
 mod resample;
+mod rim;
 mod sampling;
 mod spread;
 #[cfg(test)]
@@ -18,10 +19,11 @@ pub(crate) use map::Map;
 pub use resample::{Adjustment, Resample};
 pub use sampling::Sampling;
 
-pub use crate::param::Param;
+pub(crate) use crate::param::Flattening;
+pub use crate::param::{Border, Param};
 
 use crate::error::{Error, MeshDefect, Result};
-use crate::mesh::{HalfEdges, Union};
+use crate::mesh::{Front, HalfEdges, Mesh, Union};
 use crate::plane::GeometryImage;
 use crate::task::Task;
 
@@ -50,12 +52,15 @@ pub(crate) enum Adjust<'a> {
 /// Components of a surface at most: what falls into more pieces has no images worth the name.
 const CHARTS: usize = 256;
 
+/// Samples a side that a component is given at most to be seen between its holes.
+const MOST_FOR_HOLES: usize = 129;
+
 /// How a surface becomes geometry images.
 #[derive(Clone, Copy)]
 pub(crate) struct ImageRequest<'a> {
     /// Samples a side; odd for closed surfaces.
     pub(crate) side: usize,
-    pub(crate) param: Param,
+    pub(crate) how: Flattening,
     pub(crate) sampling: Sampling,
     pub(crate) adjust: Adjust<'a>,
 }
@@ -66,11 +71,26 @@ pub(crate) struct Atlas {
 }
 
 impl Atlas {
+    /// Flattens a mesh. What is no oriented manifold is cut apart first.
+    ///
+    /// # Errors
+    /// As [`Atlas::new`].
+    pub(crate) fn of_mesh(mesh: &Mesh, how: Flattening, task: &Task<'_>) -> Result<Self> {
+        if mesh.faces.are_triangles()
+            && let Ok(surface) = HalfEdges::new(mesh.positions.len(), mesh.faces.triangles())
+        {
+            return Self::new(&surface, &mesh.positions, how, task);
+        }
+        let front = Front::new(mesh.positions.len(), &mesh.faces);
+        let positions: Vec<[f64; 3]> = front.vertex.iter().map(|&v| mesh.positions[v as usize]).collect();
+        Self::new(&front.surface, &positions, how, task)
+    }
+
     /// Flattens a surface, each of its components on a chart of its own.
     ///
     /// # Errors
     /// Surfaces that no chart can hold; [`Error::NoConvergence`] if a chart cannot be had without folds.
-    pub(crate) fn new(mesh: &HalfEdges, positions: &[[f64; 3]], param: Param, task: &Task<'_>) -> Result<Self> {
+    pub(crate) fn new(mesh: &HalfEdges, positions: &[[f64; 3]], how: Flattening, task: &Task<'_>) -> Result<Self> {
         let mut sets = Union::new(mesh.vertices());
         mesh.triangles().iter().for_each(|t| {
             sets.join(t[0], t[1]);
@@ -90,7 +110,7 @@ impl Atlas {
             });
         }
         if first.len() == 1 {
-            return Ok(Self { maps: vec![Map::new(mesh, positions, param, task)?] });
+            return Ok(Self { maps: vec![Map::new(mesh, positions, how, task)?] });
         }
         // Triangles sorted by component, so that all components together cost what one does.
         let mut order: Vec<u32> = (0..roots.len() as u32).collect();
@@ -104,7 +124,7 @@ impl Atlas {
             let triangles = faces.iter().map(|&f| mesh.triangles()[f as usize].map(local)).collect();
             let part = HalfEdges::new(used.len(), triangles)?;
             let positions: Vec<_> = used.iter().map(|&v| positions[v as usize]).collect();
-            maps.push(Map::new(&part, &positions, param, task)?);
+            maps.push(Map::new(&part, &positions, how, task)?);
         }
         Ok(Self { maps })
     }
@@ -114,32 +134,59 @@ impl Atlas {
         &self.maps
     }
 
-    /// Samples a side for each chart if the one of the largest area has `side`: by area, and of the same kind (2^k + 1, odd, even).
+    /// The surface sampled: one image a chart, with `side` samples a side for the one of the largest area.
+    pub(crate) fn sample(&self, side: usize, sampling: Sampling, task: &Task<'_>) -> Result<Vec<GeometryImage>> {
+        let image = |(map, mut side): (&Map, usize)| {
+            // Small parts between holes may be seen only by more samples than their area is due.
+            let mut image = map.sample(side, sampling, task);
+            while let (Err(Error::Parameter(_)), true) = (&image, self.maps.len() > 1 && side > 2 && side < MOST_FOR_HOLES) {
+                side = 2 * side - 1;
+                image = map.sample(side, sampling, task);
+            }
+            image
+        };
+        self.maps.iter().zip(self.sides(side)).map(image).collect()
+    }
+
+    /// Images of the charts with their samples moved.
+    pub(crate) fn adjust(&self, images: Vec<GeometryImage>, how: Adjust<'_>, task: &Task<'_>) -> Result<Vec<GeometryImage>> {
+        self.maps.iter().zip(images).map(|(map, image)| map.adjust(image, how, task)).collect()
+    }
+
+    /// Squares a side of the chart of the largest area are a multiple of this.
+    pub(crate) fn grains(&self) -> usize {
+        self.maps.iter().max_by(|a, b| a.area().total_cmp(&b.area())).map_or(1, Map::grains)
+    }
+
+    /// Samples a side for each chart if the one of the largest area has `side`: by area, of the same kind (2^k + 1 and 3 · 2^k + 1, odd,
+    /// even), and such that its seams fit.
     pub(crate) fn sides(&self, side: usize) -> Vec<usize> {
         let areas: Vec<f64> = self.maps.iter().map(Map::area).collect();
         let largest = areas.iter().copied().fold(0.0, f64::max);
+        let squares = side.saturating_sub(1);
+        let halves_well = squares.is_power_of_two() || (squares.is_multiple_of(3) && (squares / 3).is_power_of_two());
         let of = |area: f64| {
             let share = if largest > 0.0 { (area / largest).sqrt() } else { 1.0 };
-            let squares = side.saturating_sub(1);
-            if squares.is_power_of_two() {
-                let halvings = (-share.max(f64::MIN_POSITIVE).log2()).round().clamp(0.0, 60.0) as u32;
-                return 1 + (squares >> halvings).max(4.min(squares));
+            let scaled = squares as f64 * share;
+            if halves_well {
+                let below = scaled.max(4.0).log2().floor().exp2();
+                let near = [1.0, 1.5, 2.0].map(|f| below * f).into_iter().rfind(|&n| n <= scaled * 1.19);
+                return (1 + near.unwrap_or(4.0) as usize).min(side);
             }
-            let scaled = (squares as f64 * share).round() as usize;
+            let scaled = scaled.round() as usize;
             (1 + (scaled + (scaled + squares) % 2).max(4 + squares % 2)).min(side)
         };
-        areas.into_iter().map(of).collect()
+        let fitting = |(map, area): (&Map, f64)| match map.grains() {
+            _ if area == largest => side,
+            1 => of(area),
+            grains => (of(area) - 1).div_ceil(grains).next_power_of_two() * grains + 1,
+        };
+        self.maps.iter().zip(areas).map(fitting).collect()
     }
 }
 
 /// Flattens a surface, samples and adjusts it: one image a chart.
-pub(crate) fn geometry_images(
-    mesh: &HalfEdges,
-    positions: &[[f64; 3]],
-    request: &ImageRequest<'_>,
-    task: &Task<'_>,
-) -> Result<Vec<GeometryImage>> {
-    let atlas = Atlas::new(mesh, positions, request.param, task)?;
-    let image = |(map, side): (&Map, usize)| map.adjust(map.sample(side, request.sampling, task)?, request.adjust, task);
-    atlas.maps().iter().zip(atlas.sides(request.side)).map(image).collect()
+pub(crate) fn geometry_images(mesh: &Mesh, request: &ImageRequest<'_>, task: &Task<'_>) -> Result<Vec<GeometryImage>> {
+    let atlas = Atlas::of_mesh(mesh, request.how, task)?;
+    atlas.adjust(atlas.sample(request.side, request.sampling, task)?, request.adjust, task)
 }

@@ -2,8 +2,8 @@
 
 use super::{Adjust, Atlas, ImageRequest, Sampling, geometry_images};
 use crate::error::Result;
-use crate::mesh::{HalfEdges, Mesh};
-use crate::param::Param;
+use crate::mesh::Mesh;
+use crate::param::{Border, Flattening, Param};
 use crate::plane::GeometryImage;
 use crate::task::Task;
 
@@ -37,6 +37,8 @@ pub struct Resample {
     pub side: usize,
     /// How the surface is flattened.
     pub param: Param,
+    /// What becomes the border of the square.
+    pub border: Border,
     /// Where samples are taken.
     pub sampling: Sampling,
     /// What is done to them.
@@ -44,15 +46,31 @@ pub struct Resample {
 }
 
 impl Resample {
-    /// Yoshizawa's parametrisation, regular samples that stay where they are.
+    /// Yoshizawa's parametrisation, boundaries on the square, regular samples that stay where they are.
     pub fn new(side: usize) -> Self {
-        Self { side, param: Param::Yoshizawa, sampling: Sampling::default(), adjust: Adjustment::default() }
+        Self {
+            side,
+            param: Param::Yoshizawa,
+            border: Border::Square,
+            sampling: Sampling::default(),
+            adjust: Adjustment::default(),
+        }
     }
 
     /// The same with another parametrisation.
     pub fn param(mut self, param: Param) -> Self {
         self.param = param;
         self
+    }
+
+    /// The same with another border.
+    pub fn border(mut self, border: Border) -> Self {
+        self.border = border;
+        self
+    }
+
+    fn how(&self) -> Flattening {
+        Flattening { param: self.param, border: self.border }
     }
 
     /// The same with samples taken elsewhere.
@@ -70,18 +88,17 @@ impl Resample {
     /// The images of a mesh, one for each of its components, in the order of their first vertices.
     ///
     /// # Errors
-    /// Meshes that are not manifold and oriented, components with handles or with more than one boundary loop, and
-    /// [`Error::NoConvergence`](crate::Error::NoConvergence) where rounding leaves no map without folds.
+    /// Meshes of too many components or handles, and [`Error::NoConvergence`](crate::Error::NoConvergence) where rounding leaves no
+    /// map without folds.
     pub fn images(&self, mesh: &Mesh, task: &Task<'_>) -> Result<Vec<GeometryImage>> {
         mesh.check()?;
-        let edges = HalfEdges::new(mesh.positions.len(), mesh.faces.triangles())?;
         let adjust = match self.adjust {
             Adjustment::None => Adjust::None,
             Adjustment::Hausdorff => Adjust::Hausdorff,
             Adjustment::Fit => Adjust::Fit,
         };
-        let request = ImageRequest { side: self.side, param: self.param, sampling: self.sampling, adjust };
-        geometry_images(&edges, &mesh.positions, &request, task)
+        let request = ImageRequest { side: self.side, how: self.how(), sampling: self.sampling, adjust };
+        geometry_images(mesh, &request, task)
     }
 
     /// How much each component is stretched by its parametrisation: 1 where it is only scaled.
@@ -90,8 +107,7 @@ impl Resample {
     /// As [`Resample::images`].
     pub fn stretch(&self, mesh: &Mesh, task: &Task<'_>) -> Result<Vec<f64>> {
         mesh.check()?;
-        let edges = HalfEdges::new(mesh.positions.len(), mesh.faces.triangles())?;
-        let atlas = Atlas::new(&edges, &mesh.positions, self.param, task)?;
+        let atlas = Atlas::of_mesh(mesh, self.how(), task)?;
         Ok(atlas.maps().iter().map(super::Map::stretch).collect())
     }
 }

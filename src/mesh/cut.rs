@@ -132,7 +132,7 @@ impl CutGraph {
     }
 
     /// Unmarks edges that end nowhere, except at `keep`.
-    fn prune(&mut self, mesh: &HalfEdges, keep: Option<u32>) {
+    pub(crate) fn prune(&mut self, mesh: &HalfEdges, keep: Option<u32>) {
         let mut degree = vec![0_u32; mesh.vertices()];
         for h in 0..self.marked.len() as u32 {
             degree[mesh.from(h) as usize] += u32::from(self.has(h));

@@ -2,7 +2,7 @@
 
 use super::{Accuracy, Codec, EncodeOptions, ImageChoices, J2kChoices, Method};
 use crate::error::{Error, Result};
-pub use crate::gim::{Param, Sampling};
+pub use crate::gim::{Border, Param, Sampling};
 
 /// What may be chosen for geometry images.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -12,6 +12,8 @@ pub struct GimChoices {
     pub grid: Grid,
     /// How the surface is flattened. Default: [`Param::Stretch`].
     pub param: Param,
+    /// What becomes the border of the square. Default: [`Border::Auto`].
+    pub border: Border,
     /// Where samples are taken. Default: at equal distances.
     pub sampling: Sampling,
     /// Where samples are moved. Default: [`Adjust::Rate`].
@@ -57,9 +59,9 @@ impl GimChoices {
         Self { param: Param::Yoshizawa, adjust: Adjust::Fit, ..Self::default() }
     }
 
-    /// The choices of paper 000: Yoshizawa's parametrisation, samples adjusted for the Hausdorff distance.
+    /// The choices of paper 000: Yoshizawa's parametrisation, the boundary on the square, samples adjusted for the Hausdorff distance.
     pub fn paper() -> Self {
-        Self { param: Param::Yoshizawa, adjust: Adjust::Hausdorff, ..Self::default() }
+        Self { param: Param::Yoshizawa, border: Border::Square, adjust: Adjust::Hausdorff, ..Self::default() }
     }
 }
 

@@ -3,12 +3,13 @@
 //! An inner edge between two vertices of the boundary ("chord") would lie on a side of the square together with what it cuts off, so
 //! it is split in the middle first; that also takes care of ears.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 use super::chart::{Chart, Freedom};
-use super::{Param, split_edges, yoshizawa};
+use super::sheet::Sheet;
+use super::{Param, yoshizawa};
 use crate::error::Result;
-use crate::mesh::{HalfEdges, boundary_loops};
+use crate::mesh::boundary_loops;
 use crate::plane::Gluing;
 use crate::task::Task;
 
@@ -24,15 +25,13 @@ const WORTH: f64 = 0.95;
 
 const SQUARE: [DVec2; 4] = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
 
-pub(super) fn lay_out(mesh: HalfEdges, positions: Vec<DVec3>, param: Param, task: &Task<'_>) -> Result<Chart> {
-    let (mesh, positions) = prepare(mesh, positions)?;
+pub(super) fn lay_out(sheet: Sheet, param: Param, task: &Task<'_>) -> Result<Chart> {
+    let Sheet { mesh, positions, filling } = prepare(sheet)?;
     let w = vec![DVec2::splat(0.5); positions.len()];
     let freedom = vec![Freedom::Free; positions.len()];
-    let mut chart = Chart { mesh, positions, gluing: Gluing::Open, lifts: Vec::new(), w, freedom };
-    // Which vertices become corners matters by decibels: one of clearly less stretch is taken.
-    let rounds = matches!(param, Param::Yoshizawa | Param::Stretch) && chart.faces() <= TURNED;
+    let mut chart = Chart { mesh, positions, filling, gluing: Gluing::Open, seams: None, lifts: Vec::new(), w, freedom };
     let mut best: Option<(f64, Chart)> = None;
-    for start in 0..if rounds { STARTS } else { 1 } {
+    for start in 0..rounds(param, chart.faces()) {
         pin(&mut chart, start as f64 / (4 * STARTS) as f64);
         yoshizawa::lay_out(&mut chart, param, task)?;
         let stretch = chart.stretch();
@@ -43,17 +42,26 @@ pub(super) fn lay_out(mesh: HalfEdges, positions: Vec<DVec3>, param: Param, task
     Ok(best.map_or(chart, |(_, chart)| chart))
 }
 
+/// How many places of the first corner are tried. Which vertices become corners matters by decibels.
+pub(super) fn rounds(param: Param, faces: usize) -> usize {
+    if matches!(param, Param::Yoshizawa | Param::Stretch) && faces <= TURNED { STARTS } else { 1 }
+}
+
 /// Splits what could not lie in a square: chords, and boundary loops that are too short to have four sides.
-fn prepare(mesh: HalfEdges, positions: Vec<DVec3>) -> Result<(HalfEdges, Vec<DVec3>)> {
-    let (mut mesh, mut positions) = (mesh, positions);
-    while boundary_loops(&mesh).first().is_some_and(|around| around.len() < 4) {
-        (mesh, positions, _) = split_edges(&mesh, &positions, |_| true)?;
+pub(super) fn prepare(mut sheet: Sheet) -> Result<Sheet> {
+    while boundary_loops(&sheet.mesh).first().is_some_and(|around| around.len() < 4) {
+        sheet = sheet.split(|_| true)?;
     }
+    let mesh = &sheet.mesh;
     let chord = |h: u32| mesh.opposite(h).is_some() && mesh.is_boundary(mesh.from(h)) && mesh.is_boundary(mesh.to(h));
-    if (0..3 * mesh.triangles().len() as u32).any(chord) {
-        (mesh, positions, _) = split_edges(&mesh, &positions, chord)?;
-    }
-    Ok((mesh, positions))
+    if (0..3 * mesh.triangles().len() as u32).any(chord) { sheet.split(chord) } else { Ok(sheet) }
+}
+
+/// The point of the square's border after so many of its sides.
+pub(super) fn at_border(sides: f64) -> DVec2 {
+    let side = sides.floor();
+    let corner = |k: f64| SQUARE[k.rem_euclid(4.0) as usize];
+    corner(side).lerp(corner(side + 1.0), sides - side)
 }
 
 /// Puts the boundary onto the square by length, the first corner after this share of the loop's vertices.

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use crate::mesh::HalfEdges;
-use crate::plane::Gluing;
+use crate::plane::{Gluing, Seams};
 
 /// What may be done with a vertex in the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,7 +49,11 @@ impl Lift {
 pub(crate) struct Chart {
     pub(crate) mesh: HalfEdges,
     pub(crate) positions: Vec<DVec3>,
+    /// Which triangles only fill a hole; empty if none does.
+    pub(super) filling: Vec<bool>,
     pub(crate) gluing: Gluing,
+    /// How an open border is glued: that of a surface that was cut.
+    pub(crate) seams: Option<Seams>,
     /// For every corner of every triangle; empty if all are the identity.
     pub(super) lifts: Vec<[Lift; 3]>,
     /// The unknown of each vertex.
@@ -80,6 +84,16 @@ impl Chart {
     #[inline]
     pub(crate) fn solid(&self, face: usize) -> [DVec3; 3] {
         self.mesh.triangles()[face].map(|v| self.positions[v as usize])
+    }
+
+    /// Whether a triangle only fills a hole of the surface.
+    pub(crate) fn is_filling(&self, face: usize) -> bool {
+        self.filling.get(face).is_some_and(|&filling| filling)
+    }
+
+    /// The triangles of the surface itself, in space.
+    pub(crate) fn solids(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
+        (0..self.faces()).filter(|&f| !self.is_filling(f)).map(|f| self.solid(f))
     }
 
     /// Triangles.

@@ -1,7 +1,7 @@
 //! Parametrisation: a surface flattened onto the unit square.
 //!
 //! A disk is pinned to the square's border ([`border`]); a closed surface of genus 0 covers the plane again and again, folded
-//! about four cones ([`orbifold`]), and the square is one copy of it. Either way every vertex has one unknown point, found from
+//! about four cones ([`orbifold`]), and the square is one copy of it; one with handles is cut open ([`seams`]). Either way every vertex has one unknown point, found from
 //! its neighbours ([`barycentric`]) and improved until the surface is stretched as little as may be ([`yoshizawa`],
 //! [`newton`]). Triangles that would be turned over are never kept silently: what comes out has none.
 
@@ -11,6 +11,8 @@ mod chart;
 mod cones;
 mod newton;
 mod orbifold;
+mod seams;
+mod sheet;
 mod split;
 #[cfg(test)]
 mod tests;
@@ -20,12 +22,15 @@ mod yoshizawa;
 pub(crate) use chart::{Chart, Freedom};
 pub(crate) use split::split_edges;
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::mesh::{HalfEdges, boundary_loops};
 use crate::plane::Gluing;
 use crate::task::Task;
+use sheet::Sheet;
 
 /// How the inside of a chart is laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -43,20 +48,59 @@ pub enum Param {
     Stretch,
 }
 
-/// Flattens a connected surface of genus 0 with at most one boundary loop.
+/// What becomes the border of the square where a surface has a boundary and no handles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Border {
+    /// The longest boundary loop if it is long for the surface; else the loops are filled, and the surface is laid out as a closed
+    /// one with holes.
+    #[default]
+    Auto,
+    /// Always the longest boundary loop, as in the papers.
+    Square,
+}
+
+/// How a surface is flattened.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Flattening {
+    pub(crate) param: Param,
+    pub(crate) border: Border,
+}
+
+/// A surface with a boundary is laid out as if it were closed if its longest loop, as a circle, would hold less than this share of
+/// its area: to be spread around a square costs a bust or a foot more than the squares that fill its hole. Of eight surfaces
+/// those with shares of 0.01 to 0.2 took 8 to 46 % fewer bytes so, and those of 0.9 and 1.2 two to three times as many.
+const NEARLY_CLOSED: f64 = 0.3;
+
+/// Flattens a connected surface.
+///
+/// Without handles it is closed, or its longest boundary loop becomes the square; other loops are filled. With handles all are, and it is
+/// cut open along seams.
 ///
 /// # Errors
-/// Other surfaces are refused; and [`Error::NoConvergence`] if no map without folds is found in f64.
-pub(crate) fn flatten(mesh: HalfEdges, positions: Vec<DVec3>, param: Param, task: &Task<'_>) -> Result<Chart> {
-    let loops = boundary_loops(&mesh);
-    let used = (0..mesh.vertices() as u32).filter(|&v| mesh.outgoing(v).is_some()).count();
-    let edges = (3 * mesh.triangles().len() + loops.iter().map(Vec::len).sum::<usize>()) / 2;
-    let euler = used as i64 - edges as i64 + mesh.triangles().len() as i64;
-    let mut chart = match loops.len() {
-        0 if euler == 2 => orbifold::lay_out(mesh, positions, param, task)?,
-        1 if euler == 1 => border::lay_out(mesh, positions, param, task)?,
-        count if euler + count as i64 == 2 => return Err(refused(format!("a component with {count} boundary loops"))),
-        count => return Err(refused(format!("a component with {} handles", (2 - euler - count as i64) / 2))),
+/// [`Error::Unsupported`] for surfaces of too many handles; and [`Error::NoConvergence`] if no map without folds is found in f64.
+pub(crate) fn flatten(mesh: HalfEdges, positions: Vec<DVec3>, how: Flattening, task: &Task<'_>) -> Result<Chart> {
+    let param = how.param;
+    let mut loops = boundary_loops(&mesh);
+    let length = |around: &Vec<u32>| -> f64 {
+        around.iter().map(|&h| positions[mesh.from(h) as usize].distance(positions[mesh.to(h) as usize])).sum()
+    };
+    loops.sort_by(|a, b| length(a).total_cmp(&length(b)));
+    let longest = loops.last().map_or(0.0, length);
+    let area: f64 = mesh.triangles().iter().map(|t| t.map(|v| positions[v as usize])).map(area).sum();
+    let share = if how.border == Border::Auto { NEARLY_CLOSED } else { 0.0 };
+    let is_open = longest * longest / (4.0 * PI) > share * area;
+    let all = Sheet::filled(&mesh, positions.clone(), &loops)?;
+    let mut chart = if seams::handles(&all.mesh) > 0 {
+        seams::lay_out(&all, param, task)?
+    } else if is_open || (loops.len() == 1 && (area == 0.0 || how.border == Border::Square)) {
+        loops.pop();
+        let sheet = if loops.is_empty() { Sheet::new(mesh, positions) } else { Sheet::filled(&mesh, positions, &loops)? };
+        border::lay_out(sheet, param, task)?
+    } else if loops.is_empty() {
+        orbifold::lay_out(Sheet::new(mesh, positions), param, task)?
+    } else {
+        orbifold::lay_out(all, param, task)?
     };
     if param == Param::Stretch && chart.folds() == 0 {
         newton::improve(&mut chart, task)?;
@@ -65,6 +109,10 @@ pub(crate) fn flatten(mesh: HalfEdges, positions: Vec<DVec3>, param: Param, task
         0 => Ok(chart),
         folds => Err(Error::NoConvergence { what: "a map without folds", after: 1, residual: folds as f64 }),
     }
+}
+
+fn area([a, b, c]: [DVec3; 3]) -> f64 {
+    0.5 * (b - a).cross(c - a).length()
 }
 
 fn refused(id: String) -> Error {

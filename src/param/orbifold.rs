@@ -9,7 +9,8 @@ use glam::{DVec2, DVec3};
 
 use super::chart::{Chart, Freedom, Lift};
 use super::cones::{self, Reach};
-use super::{Param, split_edges, yoshizawa};
+use super::sheet::Sheet;
+use super::{Param, yoshizawa};
 use crate::error::{Error, Result};
 use crate::mesh::{CutGraph, HalfEdges, next};
 use crate::plane::Gluing;
@@ -21,22 +22,21 @@ const CONES: [DVec2; 4] = [DVec2::new(0.5, 0.0), DVec2::new(1.0, 0.5), DVec2::ne
 /// Copies of triangles this far outside of the square are kept too.
 const MARGIN: f64 = 0.02;
 
-pub(super) fn lay_out(mesh: HalfEdges, positions: Vec<DVec3>, param: Param, task: &Task<'_>) -> Result<Chart> {
-    let (mut mesh, mut positions) = (mesh, positions);
+pub(super) fn lay_out(mut sheet: Sheet, param: Param, task: &Task<'_>) -> Result<Chart> {
     // Where the cones are neighbours of each other no tree fits between them; one subdivision makes room.
     let mut room = None;
     for attempt in 0..3 {
         if attempt > 0 {
-            (mesh, positions, _) = split_edges(&mesh, &positions, |_| true)?;
+            sheet = sheet.split(|_| true)?;
         }
-        let cones = cones::far_apart(&mesh, &positions);
-        room = join(&mesh, &positions, cones).map(|tree| (cones, tree));
+        let cones = cones::far_apart(&sheet.mesh, &sheet.positions);
+        room = join(&sheet.mesh, &sheet.positions, cones).map(|tree| (cones, tree));
         if room.is_some() {
             break;
         }
     }
     let (cones, tree) = room.ok_or_else(unjoined)?;
-    let mut chart = fold(mesh, positions, cones, &tree)?;
+    let mut chart = fold(sheet, cones, &tree)?;
     yoshizawa::lay_out(&mut chart, param, task)?;
     Ok(chart)
 }
@@ -66,7 +66,8 @@ fn join(mesh: &HalfEdges, positions: &[DVec3], cones: [u32; 4]) -> Option<CutGra
 }
 
 /// Walks around the tree with the surface on the left and gives each corner its motion.
-fn fold(mesh: HalfEdges, positions: Vec<DVec3>, cones: [u32; 4], tree: &CutGraph) -> Result<Chart> {
+fn fold(sheet: Sheet, cones: [u32; 4], tree: &CutGraph) -> Result<Chart> {
+    let Sheet { mesh, positions, filling } = sheet;
     let mut lifts = vec![[Lift::IDENTITY; 3]; mesh.triangles().len()];
     let mut w = vec![DVec2::splat(0.5); mesh.vertices()];
     let mut freedom = vec![Freedom::Free; mesh.vertices()];
@@ -99,7 +100,7 @@ fn fold(mesh: HalfEdges, positions: Vec<DVec3>, cones: [u32; 4], tree: &CutGraph
     if met != 4 || lift != Lift::IDENTITY {
         return Err(unjoined());
     }
-    Ok(Chart { mesh, positions, gluing: Gluing::Orbifold, lifts, w, freedom })
+    Ok(Chart { mesh, positions, filling, gluing: Gluing::Orbifold, seams: None, lifts, w, freedom })
 }
 
 /// All copies of the triangles that meet the square, and which triangle each is a copy of.

@@ -18,21 +18,13 @@ pub fn points_png(image: &GeometryImage) -> Result<Vec<u8>> {
 /// # Errors
 /// An image that is too large for a picture.
 pub fn normals_png(image: &GeometryImage) -> Result<Vec<u8>> {
-    let normals = vertex_normals(&charts::mesh(image, Scalar::F64)?);
-    let mut vertex = vec![0; image.points().len()];
-    let mut next = 0;
-    for (at, of) in image.representatives().into_iter().enumerate() {
-        let of = of as usize;
-        if of == at {
-            vertex[at] = next;
-            next += 1;
-        } else {
-            vertex[at] = vertex[of];
-        }
-    }
+    let of_vertices = vertex_normals(&charts::mesh(&[image], Scalar::F64)?);
+    let mut normals = vec![[0.0; 3]; image.points().len()];
+    charts::surface(image).0.iter().zip(of_vertices).for_each(|(&at, normal)| normals[at as usize] = normal);
+    let of = image.representatives();
     let plane = |i: usize| {
-        let sample = |&v: &usize| ((normals[v][i] + 1.0) * 127.5 + 0.5).clamp(0.0, 255.0) as i32;
-        Plane::new(image.shape(), 8, vertex.iter().map(sample).collect())
+        let sample = |&of: &u32| ((normals[of as usize][i] + 1.0) * 127.5 + 0.5).clamp(0.0, 255.0) as i32;
+        Plane::new(image.shape(), 8, of.iter().map(sample).collect())
     };
     write_png(&Planes::new(vec![plane(0)?, plane(1)?, plane(2)?])?)
 }

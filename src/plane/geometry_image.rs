@@ -2,9 +2,12 @@
 //!
 //! Four neighbouring samples are two triangles (Gu, Gortler and Hoppe; papers 000 and 004 call them GIM). What the
 //! rectangle's border means is its [`Gluing`]: the border of a disk, or a seam of a closed surface at which both
-//! sides hold the same points. Samples that are glued are one vertex, whose *representative* is the first of them.
+//! sides hold the same points; an open border may be glued further along [`Seams`]. Samples that are glued are one vertex, whose
+//! *representative* is the first of them. Squares that are *holes* are not part of the surface.
 
-use super::Shape;
+use std::collections::BTreeMap;
+
+use super::{Mask, Seams, Shape};
 use crate::error::{Error, Result};
 
 /// How the border of a geometry image is glued.
@@ -57,6 +60,9 @@ impl Gluing {
 pub struct GeometryImage {
     shape: Shape,
     gluing: Gluing,
+    seams: Option<Seams>,
+    /// Which squares are holes; all of them belong to the surface if there is none.
+    holes: Option<Mask>,
     points: Vec<[f64; 3]>,
 }
 
@@ -66,6 +72,19 @@ impl GeometryImage {
     /// Where samples are glued, all take the point of the first. Refuses shapes that cannot be glued so, another
     /// number of points than the shape has, and points that are not finite.
     pub fn new(width: usize, height: usize, gluing: Gluing, points: Vec<[f64; 3]>) -> Result<Self> {
+        let mut image = Self::unglued(width, height, gluing, points)?;
+        image.weld();
+        Ok(image)
+    }
+
+    /// The same, but samples that are glued take their mean.
+    pub(crate) fn averaging(width: usize, height: usize, gluing: Gluing, points: Vec<[f64; 3]>) -> Result<Self> {
+        let mut image = Self::unglued(width, height, gluing, points)?;
+        image.average();
+        Ok(image)
+    }
+
+    fn unglued(width: usize, height: usize, gluing: Gluing, points: Vec<[f64; 3]>) -> Result<Self> {
         let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let shape = Shape::new(side(width), side(height))?;
         gluing.check(shape)?;
@@ -76,9 +95,72 @@ impl GeometryImage {
             let (row, column, [x, y, z]) = (at / width, at % width, points[at]);
             return Err(Error::Parameter(format!("the point ({x}, {y}, {z}) in row {row}, column {column} is not finite")));
         }
-        let mut image = Self { shape, gluing, points };
+        Ok(Self { shape, gluing, seams: None, holes: None, points })
+    }
+
+    /// The same with its open border glued along seams: samples that are glued take the point of the first.
+    pub(crate) fn with_seams(self, seams: Seams) -> Result<Self> {
+        let mut image = self.sewn(seams)?;
         image.weld();
         Ok(image)
+    }
+
+    /// The same, but they take their mean.
+    pub(crate) fn averaging_seams(self, seams: Seams) -> Result<Self> {
+        let mut image = self.sewn(seams)?;
+        image.average();
+        Ok(image)
+    }
+
+    fn sewn(mut self, seams: Seams) -> Result<Self> {
+        seams.check(self.shape)?;
+        if self.gluing != Gluing::Open {
+            return Err(Error::Parameter("an image whose border is glued already has no seams".into()));
+        }
+        self.seams = Some(seams);
+        Ok(self)
+    }
+
+    /// The same with squares that are no part of the surface.
+    pub(crate) fn with_holes(mut self, holes: Mask) -> Result<Self> {
+        let (columns, rows) = (self.width() - 1, self.height() - 1);
+        let shape = holes.shape();
+        if (shape.width(), shape.height()) != (columns, rows) || holes.count() == columns * rows {
+            return Err(Error::Parameter(format!(
+                "{} holes of {shape} squares in an image of {} samples",
+                holes.count(),
+                self.shape
+            )));
+        }
+        self.holes = (holes.count() > 0).then_some(holes);
+        Ok(self)
+    }
+
+    /// The same surface with other points, glued alike.
+    pub(crate) fn with_points(&self, points: Vec<[f64; 3]>) -> Result<Self> {
+        let other = Self::new(self.width(), self.height(), self.gluing, points)?;
+        let mut other = Self { seams: self.seams.clone(), holes: self.holes.clone(), ..other };
+        other.weld();
+        Ok(other)
+    }
+
+    /// Gives samples that are glued and differ their mean: the sum of the first and the others in their order, divided by how
+    /// many they are.
+    fn average(&mut self) {
+        let of = self.representatives();
+        let mut sums = BTreeMap::new();
+        for at in (0..of.len()).filter(|&at| of[at] as usize != at) {
+            let first = self.points[of[at] as usize];
+            let (sum, count, alike) = sums.entry(of[at]).or_insert((first, 1.0, true));
+            (0..3).for_each(|i| sum[i] += self.points[at][i]);
+            *count += 1.0;
+            *alike &= self.points[at] == first;
+        }
+        // The mean of numbers that are the same may round to another one.
+        for (of, (sum, count, _)) in sums.into_iter().filter(|(_, (_, _, alike))| !alike) {
+            self.points[of as usize] = sum.map(|x| x / count);
+        }
+        self.weld();
     }
 
     /// Columns.
@@ -94,6 +176,27 @@ impl GeometryImage {
     /// How its border is glued.
     pub fn gluing(&self) -> Gluing {
         self.gluing
+    }
+
+    /// The seams along which an open border is glued.
+    pub(crate) fn seams(&self) -> Option<&Seams> {
+        self.seams.as_ref()
+    }
+
+    /// Which squares are holes.
+    pub(crate) fn holes(&self) -> Option<&Mask> {
+        self.holes.as_ref()
+    }
+
+    /// How many seams an open border is glued along.
+    pub fn seam_count(&self) -> usize {
+        self.seams.as_ref().map_or(0, |seams| seams.sides().len() / 2)
+    }
+
+    /// Whether the square of samples whose first corner is in `row` and `column` is no part of the surface.
+    #[inline]
+    pub fn is_hole(&self, row: usize, column: usize) -> bool {
+        self.holes.as_ref().is_some_and(|holes| holes.contains(row, column))
     }
 
     /// All points, row by row.
@@ -115,19 +218,24 @@ impl GeometryImage {
     pub(crate) fn representatives(&self) -> Vec<u32> {
         let width = self.width();
         let of = |p: usize| self.gluing.representative(self.shape, p / width, p % width);
-        (0..self.shape.pixels()).map(of).map(|(row, column)| (row * width + column) as u32).collect()
+        let mut representatives: Vec<u32> =
+            (0..self.shape.pixels()).map(of).map(|(row, column)| (row * width + column) as u32).collect();
+        if let Some(seams) = &self.seams {
+            seams.glue(self.shape, &mut representatives);
+        }
+        representatives
     }
 
     /// Its triangles, as indices of representatives, row by row; O(samples).
     ///
     /// Each four neighbours are cut along their shorter diagonal, the one from the first row's first column where
     /// both are equal. At the eight squares around the cones of an orbifold the diagonal through the cone is taken:
-    /// else two squares could make the same triangle twice.
+    /// else two squares could make the same triangle twice; and, where there are seams, at the four corners. Holes have none.
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         let (width, height, of) = (self.width(), self.height(), self.representatives());
         let mut triangles = Vec::with_capacity(2 * (width - 1) * (height - 1));
         for row in 0..height - 1 {
-            for column in 0..width - 1 {
+            for column in (0..width - 1).filter(|&column| !self.is_hole(row, column)) {
                 let at = row * width + column;
                 let [a, b, c, d] = [at, at + 1, at + width + 1, at + width].map(|p| of[p]);
                 let falling = self.forced_diagonal(row, column).unwrap_or_else(|| self.square(a, c) <= self.square(b, d));
@@ -139,10 +247,12 @@ impl GeometryImage {
 
     /// Whether the diagonal from the first corner is forced (`true`), the other one, or none.
     pub(crate) fn forced_diagonal(&self, row: usize, column: usize) -> Option<bool> {
-        if self.gluing == Gluing::Open {
-            return None;
-        }
         let (last_row, last_column) = (self.height() - 2, self.width() - 2);
+        if self.gluing == Gluing::Open {
+            let corner = (row == 0 || row == last_row) && (column == 0 || column == last_column);
+            // Through the corner of the image.
+            return (corner && self.seams.is_some()).then_some((row == 0) == (column == 0));
+        }
         let (middle_row, middle_column) = (self.height() / 2, self.width() / 2);
         let beside = |at: usize, middle: usize| match at {
             at if at + 1 == middle => Some(false),
@@ -175,7 +285,7 @@ impl GeometryImage {
     }
 
     fn weld(&mut self) {
-        if self.gluing != Gluing::Open {
+        if self.gluing != Gluing::Open || self.seams.is_some() {
             let of = self.representatives();
             (0..of.len()).for_each(|p| self.points[p] = self.points[of[p] as usize]);
         }

@@ -11,6 +11,7 @@ mod normal;
 #[cfg(feature = "png")]
 mod png;
 mod quantise;
+mod seams;
 mod side;
 
 pub use geometry_image::{GeometryImage, Gluing};
@@ -23,6 +24,7 @@ pub(crate) use png::read_rgb;
 pub(crate) use png::{read_mask, read_planes, write_png};
 pub use quantise::Lattice;
 pub(crate) use quantise::bounding_box;
+pub(crate) use seams::{BorderSide, Seams};
 pub(crate) use side::{Block, RunCounts, Seam, SideInformation};
 
 use crate::error::{Error, Result};

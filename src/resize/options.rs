@@ -224,6 +224,9 @@ impl ResizeOptions {
     /// where glued), [`Error::Limit`] for sizes beyond the limits, [`Error::Cancelled`].
     pub fn resize(&self, image: &GeometryImage, width: usize, height: usize, task: &Task<'_>) -> Result<Resized> {
         self.check()?;
+        if image.seam_count() > 0 || image.holes().is_some() {
+            return Err(Error::Parameter("an image with seams or holes; images are resized that have neither".into()));
+        }
         let gluing = image.gluing();
         let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         if width == 0 || height == 0 {

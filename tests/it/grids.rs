@@ -84,6 +84,56 @@ fn every_level_of_a_closed_image_is_a_closed_mesh() {
 }
 
 #[test]
+fn every_surface_keeps_its_handles_and_holes_through_a_file_and_at_every_level() {
+    for (name, codecs) in
+        [("genus_5", &CODECS[..]), ("torus_with_holes", &CODECS[..]), ("components", &CODECS[..1]), ("block", &CODECS[..1])]
+    {
+        let mesh = Mesh::open(format!("{}/corpus/meshes/{name}.ply", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let before = mesh.inspect();
+        let mut choices = GimChoices::quality();
+        choices.grid = gimc::Grid::Side(129);
+        for &codec in codecs {
+            let step = 0.002 * before.diagonal;
+            let options = EncodeOptions::gim().codec(codec).accuracy(Accuracy::Step(step)).gim_choices(choices.clone());
+            let bytes = options.encode(&mesh).unwrap();
+            let info = Decoder::new(&bytes).unwrap().info().clone();
+            assert_eq!(info.images, before.components, "{name}");
+            for level in 0..=info.levels {
+                let seen = Decoder::new(&bytes).unwrap().level(level).decode().unwrap().inspect();
+                assert!(seen.is_manifold() && seen.components == before.components, "{name}, level {level}: {seen:?}");
+                if level == 0 || before.boundary_loops == 0 {
+                    assert_eq!(
+                        (seen.genus, seen.boundary_loops),
+                        (before.genus, before.boundary_loops),
+                        "{name}, level {level}"
+                    );
+                }
+            }
+            let verified = gimc::eval::verify(&bytes, Default::default(), Some(&mesh), Task::default()).unwrap();
+            assert!(verified.passed(), "{name}, {codec:?}: {:?}", verified.first_failure());
+        }
+    }
+}
+
+#[test]
+fn damage_to_seams_holes_and_several_images_does_no_harm() {
+    for name in ["torus_with_holes", "components"] {
+        let mesh = Mesh::open(format!("{}/corpus/meshes/{name}.ply", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let mut choices = GimChoices::quality();
+        choices.grid = gimc::Grid::Side(17);
+        let file = EncodeOptions::gim().accuracy(Accuracy::Step(0.1)).gim_choices(choices).encode(&mesh).unwrap();
+        for (i, (_, payload)) in seal::open(&file).iter().enumerate().take(3) {
+            for at in 0..payload.len().min(60) {
+                drop(trials::decode(&seal::changed(&file, |chunks| chunks[i].1.truncate(at))));
+                for bit in 0..8 {
+                    drop(trials::decode(&seal::changed(&file, |chunks| chunks[i].1[at] ^= 1 << bit)));
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn sizes_and_errors_are_kept() {
     let image = sheet(65, 65);
     for size in [200, 500, 2000] {

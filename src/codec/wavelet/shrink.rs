@@ -37,7 +37,7 @@ pub(crate) fn shrink(image: &GeometryImage, step: f64, share: f64, task: &Task<'
         details.synthesise();
         grid = details;
     }
-    GeometryImage::new(image.width(), image.height(), image.gluing(), grid.points)
+    image.with_points(grid.points)
 }
 
 fn give_way(preview: &Grid, details: &mut Grid, thresholds: impl Fn(Band) -> [f64; 3]) {
