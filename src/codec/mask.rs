@@ -101,6 +101,7 @@ mod tests {
     use super::*;
     use crate::limits::Limits;
 
+    #[allow(clippy::unwrap_used)]
     fn back(mask: &Mask) -> (usize, Mask) {
         let bytes = write(mask);
         (bytes.len(), read(&bytes, mask.shape(), &mut Budget::new(Limits::default())).unwrap())

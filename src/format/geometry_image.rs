@@ -344,6 +344,7 @@ mod tests {
     use super::*;
     use crate::plane::BorderSide;
 
+    #[allow(clippy::unwrap_used)]
     fn chunks() -> Vec<ImageChunk<'static>> {
         let bounds = CoarseBox::around([[-1.0, 0.2, 5e5], [1.5, 0.9, 5e5 + 3.0]], 1e-3);
         let wavelet = ImageBody::Wavelet { levels: 5, step: short(0.0123, false), bounds };
