@@ -103,7 +103,7 @@ fn choose<'a>(
     task: Task<'_>,
 ) -> Result<(Vec<GeometryImage>, &'a [usize])> {
     let judge = aim.judge;
-    let wanted = wanted_psnr(aim) + HEADROOM;
+    let wanted = wanted_psnr(aim) + headroom;
     let psnr = |images: &[GeometryImage]| judge.psnr(&mesh(images, Scalar::F64)?, task);
     let enough = |images: &[GeometryImage]| -> Result<bool> {
         let bound = match aim.accuracy {
