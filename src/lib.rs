@@ -42,7 +42,7 @@ mod bits;
 mod cgim;
 #[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod charts;
-#[allow(dead_code, unused_imports)] // until both doors use all of it
+#[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod codec;
 mod decode;
 mod distance;
@@ -58,7 +58,6 @@ mod extras;
 mod format;
 mod geom;
 #[cfg(feature = "encode")]
-#[allow(dead_code, unused_imports)] // until the doors move in
 mod gim;
 #[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod images;
@@ -71,16 +70,14 @@ mod mesh;
 mod options;
 mod par;
 #[cfg(feature = "encode")]
-#[allow(dead_code, unused_imports)] // until the doors move in
 mod param;
 #[cfg(all(feature = "png", feature = "encode"))]
 pub mod picture;
-#[allow(dead_code, unused_imports)] // until both wings use all of it
+#[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod plane;
 #[cfg(feature = "encode")]
 mod resize;
 #[cfg(feature = "encode")]
-#[allow(dead_code, unused_imports)] // until the doors move in
 mod sparse;
 #[cfg_attr(not(feature = "encode"), allow(dead_code, unused_imports))] // its writing half
 mod surface;

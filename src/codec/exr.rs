@@ -10,7 +10,7 @@ use exr::prelude::{
     read,
 };
 
-use super::{CodecId, PlaneCodec};
+use super::PlaneCodec;
 use crate::error::{Error, Place, Result};
 use crate::limits::Budget;
 use crate::plane::{Plane, Planes, Shape};
@@ -35,10 +35,6 @@ fn name(i: usize, n: usize) -> String {
 }
 
 impl PlaneCodec for Exr {
-    fn id(&self) -> CodecId {
-        CodecId(*b"exr ")
-    }
-
     fn encode(&self, planes: &Planes, _: &Task) -> Result<Vec<u8>> {
         let channels = planes.iter().enumerate().map(|(i, plane)| {
             let scale = 1.0 / (1_u32 << plane.depth()) as f32;

@@ -1,4 +1,4 @@
-//! Planes to bytes and back: one codec a way, known by four characters.
+//! Planes to bytes and back: one codec a way.
 
 #[cfg(feature = "exr")]
 mod exr;
@@ -17,21 +17,8 @@ use crate::limits::Budget;
 use crate::plane::{Planes, Shape};
 use crate::task::Task;
 
-/// Which codec made some bytes.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct CodecId(pub(crate) [u8; 4]);
-
-impl std::fmt::Display for CodecId {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}", self.0.escape_ascii())
-    }
-}
-
 /// A way to turn planes into bytes.
 pub(crate) trait PlaneCodec: std::fmt::Debug + Sync {
-    /// Its name in a file.
-    fn id(&self) -> CodecId;
-
     /// The planes as bytes.
     fn encode(&self, planes: &Planes, task: &Task) -> Result<Vec<u8>>;
 

@@ -3,7 +3,7 @@
 //! Row by row; the planes of a pixel follow each other; bits run from the highest to the lowest, and the last byte
 //! is filled up with zeros.
 
-use super::{CodecId, PlaneCodec};
+use super::PlaneCodec;
 use crate::error::{Error, Place, Result};
 use crate::limits::Budget;
 use crate::plane::{Plane, Planes, Shape};
@@ -14,10 +14,6 @@ use crate::task::Task;
 pub(crate) struct Raw;
 
 impl PlaneCodec for Raw {
-    fn id(&self) -> CodecId {
-        CodecId(*b"raw ")
-    }
-
     fn encode(&self, planes: &Planes, _: &Task) -> Result<Vec<u8>> {
         let (mut bytes, mut held, mut count) = (Vec::new(), 0_u64, 0);
         for at in 0..planes.shape().pixels() {

@@ -19,7 +19,7 @@ mod tests;
 mod weights;
 mod yoshizawa;
 
-pub(crate) use chart::{Chart, Freedom};
+pub(crate) use chart::Chart;
 pub(crate) use split::split_edges;
 
 use std::f64::consts::PI;
@@ -28,7 +28,6 @@ use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::mesh::{HalfEdges, boundary_loops};
-use crate::plane::Gluing;
 use crate::task::Task;
 use sheet::Sheet;
 
@@ -117,11 +116,4 @@ fn area([a, b, c]: [DVec3; 3]) -> f64 {
 
 fn refused(id: String) -> Error {
     Error::Unsupported { what: Error::IMAGE_OF, id }
-}
-
-impl Chart {
-    /// Whether the chart is a copy of a closed surface.
-    pub(crate) fn is_closed(&self) -> bool {
-        self.gluing == Gluing::Orbifold
-    }
 }

@@ -21,7 +21,7 @@ pub(crate) use normal::{from_octahedral, octahedral};
 #[cfg(all(test, feature = "png"))]
 pub(crate) use png::read_rgb;
 #[cfg(feature = "png")]
-pub(crate) use png::{read_mask, read_planes, write_png};
+pub(crate) use png::{read_planes, write_png};
 pub use quantise::Lattice;
 pub(crate) use quantise::bounding_box;
 pub(crate) use seams::{BorderSide, Seams};
@@ -77,6 +77,7 @@ impl Shape {
     }
 
     /// The same image turned so that rows are columns.
+    #[cfg(test)]
     pub(crate) fn transposed(self) -> Self {
         Self { width: self.height, height: self.width }
     }
@@ -129,14 +130,10 @@ impl Plane {
     }
 
     /// The samples of one row.
+    #[cfg(test)]
     pub(crate) fn row(&self, row: usize) -> &[i32] {
         let width = self.shape.width();
         &self.samples[row * width..][..width]
-    }
-
-    /// The samples, without their plane.
-    pub(crate) fn into_samples(self) -> Vec<i32> {
-        self.samples
     }
 }
 
@@ -180,11 +177,6 @@ impl Planes {
     /// The depth of each plane, in order.
     pub(crate) fn depths(&self) -> Vec<u8> {
         self.planes.iter().map(Plane::depth).collect()
-    }
-
-    /// The planes, without their image.
-    pub(crate) fn into_planes(self) -> Vec<Plane> {
-        self.planes
     }
 }
 

@@ -79,6 +79,7 @@ pub(crate) struct Encoded {
 
 impl Encoded {
     /// The codestream of the first `layers` layers alone.
+    #[cfg(test)]
     pub(crate) fn first_layers(&self, layers: u8) -> Result<Self> {
         let (mut header, packets) = Header::read(&self.bytes)?;
         if layers == 0 || layers > header.profile.layers {

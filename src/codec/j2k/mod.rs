@@ -50,10 +50,10 @@ pub(crate) use decode::{decode, profile};
 #[cfg(feature = "encode")]
 pub(crate) use encode::{Encoded, Quality, Settings, encode};
 pub(crate) use jp2::wrap;
-#[cfg(feature = "encode")]
+#[cfg(all(test, feature = "encode"))]
 pub(crate) use target::psnr;
 
-use super::{CodecId, PlaneCodec};
+use super::PlaneCodec;
 use crate::error::{Error, Place, Result};
 use crate::limits::Budget;
 use crate::plane::{Planes, Shape};
@@ -87,10 +87,6 @@ pub(crate) fn codestream(payload: &[u8]) -> Result<&[u8]> {
 }
 
 impl PlaneCodec for J2k<'_> {
-    fn id(&self) -> CodecId {
-        CodecId(*b"j2k ")
-    }
-
     #[cfg(feature = "encode")]
     fn encode(&self, planes: &Planes, task: &Task) -> Result<Vec<u8>> {
         let Encoded { mut bytes, profile, .. } = encode(planes, &self.settings, task)?;
@@ -100,7 +96,7 @@ impl PlaneCodec for J2k<'_> {
 
     #[cfg(not(feature = "encode"))]
     fn encode(&self, _: &Planes, _: &Task) -> Result<Vec<u8>> {
-        Err(Error::Unsupported { what: "writing codec", id: self.id().to_string() })
+        Err(Error::Unsupported { what: "writing codec", id: "j2k".into() })
     }
 
     fn decode(&self, payload: &[u8], shape: Shape, depths: &[u8], budget: &mut Budget) -> Result<Planes> {

@@ -83,7 +83,8 @@ impl Hulls {
     }
 
     /// The bytes of a stream without its headers.
-    pub(super) fn bytes(&self, choice: usize) -> usize {
+    #[cfg(test)]
+    fn bytes(&self, choice: usize) -> usize {
         (0..self.stops.len()).flat_map(|block| self.taken(block, choice)).map(|s| s.bytes).sum()
     }
 

@@ -8,6 +8,13 @@ use super::chart::cross;
 use super::*;
 use crate::geom::Bvh;
 use crate::mesh::Mesh;
+use crate::plane::Gluing;
+
+impl Chart {
+    fn is_closed(&self) -> bool {
+        self.gluing == Gluing::Orbifold
+    }
+}
 
 fn corpus(name: &str) -> (HalfEdges, Vec<DVec3>) {
     let mesh = Mesh::open(format!("{}/corpus/meshes/{name}.ply", env!("CARGO_MANIFEST_DIR"))).unwrap();
