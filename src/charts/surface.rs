@@ -82,16 +82,6 @@ mod tests {
     use crate::mesh::HalfEdges;
     use crate::plane::{BorderSide, Gluing, Mask, Seams, Shape};
 
-    fn rough(width: usize, height: usize, gluing: Gluing, seed: u64) -> GeometryImage {
-        let mut state = seed;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 40) as f64
-        };
-        let points = (0..width * height).map(|_| [next(), next(), next()]).collect();
-        GeometryImage::new(width, height, gluing, points).unwrap()
-    }
-
     fn inspect(image: GeometryImage) -> crate::mesh::Inspection {
         let seen = mesh(&[image], Scalar::F64).unwrap();
         assert!(HalfEdges::new(seen.positions.len(), seen.faces.triangles()).is_ok());
@@ -100,7 +90,7 @@ mod tests {
 
     #[test]
     fn the_mesh_of_an_orbifold_has_a_vertex_for_every_point_and_no_more() {
-        let mesh = mesh(&[rough(9, 7, Gluing::Orbifold, 3)], Scalar::F64).unwrap();
+        let mesh = mesh(&[GeometryImage::rough(9, 7, Gluing::Orbifold, 3)], Scalar::F64).unwrap();
         assert_eq!(mesh.positions.len(), 8 * 6 + 2);
         assert_eq!(mesh.faces.len(), 2 * 8 * 6);
     }
@@ -109,7 +99,7 @@ mod tests {
     fn holes_of_any_shape_leave_a_manifold() {
         for seed in 0..60 {
             for gluing in [Gluing::Open, Gluing::Orbifold] {
-                let image = rough(9, 9, gluing, seed);
+                let image = GeometryImage::rough(9, 9, gluing, seed);
                 let hole = |row: usize, column: usize| {
                     ((row * 8 + column) as u64 * 40 + seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 60 < 1 + seed % 12
                 };
@@ -141,7 +131,7 @@ mod tests {
                 for scale in [1, 2, 3] {
                     let seams = polygon(pairs, start);
                     let side = (seams.grains() * scale + 1) as usize;
-                    let image = rough(side, side, Gluing::Open, u64::from(start)).with_seams(seams).unwrap();
+                    let image = GeometryImage::rough(side, side, Gluing::Open, u64::from(start)).with_seams(seams).unwrap();
                     let seen = inspect(image.clone());
                     assert!(seen.is_manifold() && seen.components == 1, "{seen:?}");
                     assert_eq!((seen.boundary_loops, seen.genus, seen.duplicate_faces.count), (0, Some(genus), 0));

@@ -293,26 +293,30 @@ impl GeometryImage {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::collections::HashMap;
-
-    /// Points that are all different, so that diagonals fall anywhere.
-    fn rough(width: usize, height: usize, gluing: Gluing, seed: u64) -> GeometryImage {
+impl GeometryImage {
+    /// An image of points that are all different, so that diagonals fall anywhere.
+    #[allow(clippy::unwrap_used)]
+    pub(crate) fn rough(width: usize, height: usize, gluing: Gluing, seed: u64) -> Self {
         let mut state = seed;
         let mut next = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 33) as f64
         };
         let points = (0..width * height).map(|_| [next(), next(), next()]).collect();
-        GeometryImage::new(width, height, gluing, points).unwrap()
+        Self::new(width, height, gluing, points).unwrap()
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashMap;
 
     #[test]
     fn an_orbifold_is_a_closed_surface_of_genus_0_whatever_its_points() {
         for seed in 0..50 {
             for (width, height) in [(5, 5), (7, 5), (9, 17), (33, 33)] {
-                let image = rough(width, height, Gluing::Orbifold, seed);
+                let image = GeometryImage::rough(width, height, Gluing::Orbifold, seed);
                 let triangles = image.triangles();
                 let mut edges = HashMap::new();
                 for t in &triangles {
@@ -333,7 +337,7 @@ mod tests {
 
     #[test]
     fn glued_samples_hold_the_same_point() {
-        let image = rough(9, 7, Gluing::Orbifold, 1);
+        let image = GeometryImage::rough(9, 7, Gluing::Orbifold, 1);
         for k in 0..7 {
             assert_eq!(image.point(k, 0), image.point(6 - k, 0));
             assert_eq!(image.point(k, 8), image.point(6 - k, 8));
