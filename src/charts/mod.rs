@@ -38,8 +38,9 @@ use crate::task::Task;
 /// Bytes a sample that the mesh takes, and its codec of planes.
 const BYTES_A_SAMPLE: u64 = 160;
 const STEPS_A_SAMPLE: u64 = 40;
-/// Steps that the mask of holes takes for each square.
-const STEPS_A_HOLE: u64 = 10;
+/// The same where holes may leave several fans around a sample: the corners of two triangles are sorted into them.
+const BYTES_A_SAMPLE_BESIDE_HOLES: u64 = 400;
+const STEPS_A_SAMPLE_BESIDE_HOLES: u64 = 120;
 
 /// The shape of the image that a chunk holds.
 fn shape(chunk: &ImageChunk<'_>) -> Result<Shape> {
@@ -85,32 +86,36 @@ pub(crate) fn vertices_at(chunk: &ImageChunk<'_>, level: u8) -> Result<u64> {
 
 /// Memory and steps that decoding an image and its mesh takes at most.
 pub(crate) fn cost(chunk: &ImageChunk<'_>, level: u8) -> Result<(u64, u64)> {
+    let codec = layout(chunk)?.map_or((0, 0), |layout| layout.cost(level.min(chunk.levels())));
+    let mask = if chunk.holes.is_some() { mask::cost(squares(shape(chunk)?)?) } else { (0, 0) };
+    let parts = [mesh_cost(chunk, level)?, codec, mask];
+    Ok(parts.into_iter().fold((0, 0), |sum: (u64, u64), part| (sum.0.saturating_add(part.0), sum.1.saturating_add(part.1))))
+}
+
+/// What the mesh takes of that, and codecs of planes.
+fn mesh_cost(chunk: &ImageChunk<'_>, level: u8) -> Result<(u64, u64)> {
     let [columns, rows] = size_at(chunk, level)?;
-    let pixels = u64::from(columns) * u64::from(rows);
-    let own = (pixels.saturating_mul(BYTES_A_SAMPLE), pixels.saturating_mul(STEPS_A_SAMPLE));
-    let (memory, work) = layout(chunk)?.map_or((0, 0), |layout| layout.cost(level.min(chunk.levels())));
-    let own = if chunk.holes.is_some() {
-        let squares = u64::from(chunk.columns) * u64::from(chunk.rows);
-        (
-            own.0.saturating_add(squares),
-            own.1
-                .saturating_add(squares.saturating_mul(STEPS_A_HOLE))
-                .saturating_add(mask::STEPS_TO_START)
-                .saturating_add(mask::STEPS_TO_START),
-        )
-    } else {
-        own
+    let samples = u64::from(columns) * u64::from(rows);
+    let (bytes, steps) = match chunk.holes {
+        Some(_) => (BYTES_A_SAMPLE_BESIDE_HOLES, STEPS_A_SAMPLE_BESIDE_HOLES),
+        None => (BYTES_A_SAMPLE, STEPS_A_SAMPLE),
     };
-    Ok((own.0.saturating_add(memory), own.1.saturating_add(work)))
+    Ok((samples.saturating_mul(bytes), samples.saturating_mul(steps)))
+}
+
+/// The squares between the samples of an image.
+fn squares(samples: Shape) -> Result<Shape> {
+    Shape::new(samples.width() as u32 - 1, samples.height() as u32 - 1)
+        .map_err(|e| Error::malformed(Place::Whole, e.to_string()))
 }
 
 /// Reads an image; `level` 0 is all of it, each further one halves its sides.
 pub(crate) fn read(chunk: &ImageChunk<'_>, level: u8, budget: &mut Budget, task: Task<'_>) -> Result<GeometryImage> {
     let [columns, rows] = size_at(chunk, level)?;
-    let pixels = u64::from(columns) * u64::from(rows);
-    budget.check_pixels(pixels)?;
-    budget.reserve(pixels.saturating_mul(BYTES_A_SAMPLE))?;
-    budget.spend(pixels.saturating_mul(STEPS_A_SAMPLE))?;
+    budget.check_pixels(u64::from(columns) * u64::from(rows))?;
+    let (memory, work) = mesh_cost(chunk, level)?;
+    budget.reserve(memory)?;
+    budget.spend(work)?;
     let level = level.min(chunk.levels());
     let whole = shape(chunk)?;
     let malformed = |e: Error| Error::malformed(Place::Whole, e.to_string());
@@ -128,11 +133,10 @@ pub(crate) fn read(chunk: &ImageChunk<'_>, level: u8, budget: &mut Budget, task:
         image = image.averaging_seams(seams.clone()).map_err(malformed)?;
     }
     if let Some(holes) = &chunk.holes {
-        let squares = Shape::new(whole.width() as u32 - 1, whole.height() as u32 - 1).map_err(malformed)?;
-        let mask = mask::read(holes.bytes, squares, budget)?;
-        if squares.pixels() - mask.count() != holes.squares as usize {
-            let why =
-                format!("{} squares that are no holes, and {} are told of", squares.pixels() - mask.count(), holes.squares);
+        let mask = mask::read(holes.bytes, squares(whole)?, budget)?;
+        let left = mask.shape().pixels() - mask.count();
+        if left != holes.squares as usize {
+            let why = format!("{left} squares that are no holes, and {} are told of", holes.squares);
             return Err(Error::malformed(Place::Whole, why));
         }
         image = image.with_holes(at_level(&mask, level)).map_err(malformed)?;

@@ -113,11 +113,12 @@ pub(crate) fn search(images: &[GeometryImage], how: How, aim: &Aim<'_>, start: O
                 _ => 0.0,
             };
             let judged = |coded: &Coded| {
-                let seen = judge.hausdorff(&coded.mesh()?, task)?;
+                let decoded = coded.mesh()?;
+                let seen = judge.hausdorff(&decoded, task)?;
                 if seen > bound {
                     return Ok(Verdict::Bad(bound / seen));
                 }
-                let certain = judge.bound(&coded.mesh()?, seen, task)?;
+                let certain = judge.bound(&decoded, seen, task)?;
                 Ok(match certain / bound {
                     s if s > 1.0 => Verdict::Bad(1.0 / s),
                     s if s > 0.99 => Verdict::Done,

@@ -26,19 +26,25 @@ pub(crate) fn write(mask: &Mask) -> Vec<u8> {
     coder.finish()
 }
 
+/// Memory and steps that reading a mask takes at most.
+pub(crate) fn cost(shape: Shape) -> (u64, u64) {
+    let pixels = shape.pixels() as u64;
+    (pixels / 8 + (1 << 13), STEPS_TO_START + pixels.saturating_mul(CONTEXT.len() as u64))
+}
+
 /// The mask of some bytes; any bytes are one.
 pub(crate) fn read(bytes: &[u8], shape: Shape, budget: &mut Budget) -> Result<Mask> {
-    let pixels = shape.pixels() as u64;
-    budget.check_pixels(pixels)?;
-    budget.reserve(pixels / 8 + (1 << 13))?;
-    budget.spend(STEPS_TO_START + pixels.saturating_mul(CONTEXT.len() as u64))?;
+    budget.check_pixels(shape.pixels() as u64)?;
+    let (memory, work) = cost(shape);
+    budget.reserve(memory)?;
+    budget.spend(work)?;
     let mut mask = Mask::from_fn(shape, |_, _| false);
     code(&mut BitReader::new(bytes), &mut mask);
     Ok(mask)
 }
 
 /// Steps of learning the disks.
-pub(crate) const STEPS_TO_START: u64 = 10 * 42 * (FIELD * FIELD) as u64;
+const STEPS_TO_START: u64 = 10 * 42 * (FIELD * FIELD) as u64;
 
 /// Radii of the disks that are learned first, in quarters of a pixel, and the places of their middles within one.
 const RADII: [i32; 7] = [7, 11, 18, 29, 47, 76, 123];

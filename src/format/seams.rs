@@ -6,11 +6,11 @@ use crate::bits::Writer;
 use crate::error::Result;
 use crate::plane::{BorderSide, Seams};
 
+/// Grains of a side of the image at most.
+const FINEST: u64 = Seams::FINEST as u64;
+
 /// Pairs of sides at most.
 const MOST: u64 = 1 << 12;
-
-/// What is taken from every length.
-const SHORTEST: u32 = 5;
 
 /// Writes a glued border: a side that is the first of its pair has its length, the other one says how many of those that still
 /// wait for theirs began after it.
@@ -28,7 +28,7 @@ pub(super) fn write(seams: &Seams, w: &mut Writer) {
             }
             None => {
                 w.varint(0);
-                w.varint(u64::from(side.length - SHORTEST));
+                w.varint(u64::from(side.length - Seams::SHORTEST));
                 waiting.push(i as u32);
             }
         }
@@ -40,14 +40,14 @@ pub(super) fn read(r: &mut Reader<'_>) -> Result<Seams> {
         let n = r.varint(what)?;
         if n <= most { Ok(n as u32) } else { Err(r.error(format!("{what} of {n}, at most {most} expected"))) }
     };
-    let (grains, start) = (number("the grains", 1 << 16)?, number("the first side", 1 << 18)?);
+    let (grains, start) = (number("the grains", FINEST)?, number("the first side", 4 * FINEST)?);
     let pairs = number("seams", MOST)?;
     let (mut sides, mut waiting): (Vec<BorderSide>, Vec<u32>) = (Vec::new(), Vec::new());
     for i in 0..2 * pairs {
         match number("a side", waiting.len() as u64)? {
             0 => {
                 waiting.push(i);
-                sides.push(BorderSide { length: SHORTEST + number("a side's length", 1 << 18)?, mate: i });
+                sides.push(BorderSide { length: Seams::SHORTEST + number("a side's length", 4 * FINEST)?, mate: i });
             }
             after => {
                 let mate = waiting.remove(waiting.len() - after as usize);

@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::geom::{Aabb, Bvh};
 use crate::mesh::HalfEdges;
 use crate::par;
-use crate::param::{self, Chart, Flattening};
+use crate::param::{self, Chart, Flattening, area};
 use crate::plane::{GeometryImage, Gluing, Mask, Shape};
 use crate::task::Task;
 
@@ -54,6 +54,7 @@ pub(crate) struct Map {
     cover: Bvh,
     /// The chart's triangle that each of them is a copy of.
     origin: Vec<u32>,
+    area: f64,
     /// Where filled holes begin, if there are any.
     rim: Option<Rim>,
     /// The surface itself, for whoever moves samples.
@@ -69,7 +70,8 @@ impl Map {
         let (cover, origin) = chart.cover();
         let rim = Rim::new(&chart, &cover, &origin);
         let cover = Bvh::new(&cover.iter().map(|t| t.map(|p| p.extend(0.0))).collect::<Vec<_>>());
-        Ok(Self { chart, frame, cover, origin, rim, target: OnceLock::new() })
+        let area = chart.solids().map(area).sum::<f64>() / (frame.scale * frame.scale);
+        Ok(Self { chart, frame, cover, origin, area, rim, target: OnceLock::new() })
     }
 
     /// How images of the chart are glued.
@@ -89,8 +91,7 @@ impl Map {
 
     /// The area of the surface, in the square of the mesh's units.
     pub(crate) fn area(&self) -> f64 {
-        let sum: f64 = self.chart.solids().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
-        sum / (self.frame.scale * self.frame.scale)
+        self.area
     }
 
     /// An image of `side` samples a side.
@@ -107,9 +108,10 @@ impl Map {
         }
         let squares = Shape::new(side as u32 - 1, side as u32 - 1)?;
         let mut points = sampling.points(side, self.gluing(), || self.chart.flat_vertices());
-        let holes = self.holes(&points, squares);
+        let mut holes = None;
         if let Some(rim) = &self.rim {
-            rim.draw(&mut points, holes.as_ref(), side);
+            let holes = holes.insert(self.holes(&points, squares)?);
+            rim.draw(&mut points, holes, side);
         }
         let rows = par::map(side, |row| {
             let mut hint = 0;
@@ -133,8 +135,7 @@ impl Map {
     }
 
     /// The squares whose middle is in a filled hole.
-    fn holes(&self, points: &[DVec2], squares: Shape) -> Option<Mask> {
-        self.rim.as_ref()?;
+    fn holes(&self, points: &[DVec2], squares: Shape) -> Result<Mask> {
         let (columns, side) = (squares.width(), squares.width() + 1);
         let rows = par::map(squares.height(), |row| {
             let mut hint = 0;
@@ -145,7 +146,7 @@ impl Map {
             };
             (0..columns).map(&mut filled).collect::<Vec<bool>>()
         });
-        Mask::from_bits(squares, rows.into_iter().flatten()).ok()
+        Mask::from_bits(squares, rows.into_iter().flatten())
     }
 
     /// The copy that lies at a point of the square, and the triangle of the chart that it is a copy of.

@@ -55,16 +55,6 @@ const CHARTS: usize = 256;
 /// Samples a side that a component is given at most to be seen between its holes.
 const MOST_FOR_HOLES: usize = 129;
 
-/// How a surface becomes geometry images.
-#[derive(Clone, Copy)]
-pub(crate) struct ImageRequest<'a> {
-    /// Samples a side; odd for closed surfaces.
-    pub(crate) side: usize,
-    pub(crate) how: Flattening,
-    pub(crate) sampling: Sampling,
-    pub(crate) adjust: Adjust<'a>,
-}
-
 /// A surface flattened, chart by chart.
 pub(crate) struct Atlas {
     maps: Vec<Map>,
@@ -136,14 +126,12 @@ impl Atlas {
 
     /// The surface sampled: one image a chart, with `side` samples a side for the one of the largest area.
     pub(crate) fn sample(&self, side: usize, sampling: Sampling, task: &Task<'_>) -> Result<Vec<GeometryImage>> {
-        let image = |(map, mut side): (&Map, usize)| {
-            // Small parts between holes may be seen only by more samples than their area is due.
-            let mut image = map.sample(side, sampling, task);
-            while let (Err(Error::Parameter(_)), true) = (&image, self.maps.len() > 1 && side > 2 && side < MOST_FOR_HOLES) {
-                side = 2 * side - 1;
-                image = map.sample(side, sampling, task);
+        let image = |(map, mut side): (&Map, usize)| loop {
+            match map.sample(side, sampling, task) {
+                // Small parts between holes may be seen only by more samples than their area is due.
+                Err(Error::Parameter(_)) if self.maps.len() > 1 && (3..MOST_FOR_HOLES).contains(&side) => side = 2 * side - 1,
+                other => return other,
             }
-            image
         };
         self.maps.iter().zip(self.sides(side)).map(image).collect()
     }
@@ -183,10 +171,4 @@ impl Atlas {
         };
         self.maps.iter().zip(areas).map(fitting).collect()
     }
-}
-
-/// Flattens a surface, samples and adjusts it: one image a chart.
-pub(crate) fn geometry_images(mesh: &Mesh, request: &ImageRequest<'_>, task: &Task<'_>) -> Result<Vec<GeometryImage>> {
-    let atlas = Atlas::of_mesh(mesh, request.how, task)?;
-    atlas.adjust(atlas.sample(request.side, request.sampling, task)?, request.adjust, task)
 }

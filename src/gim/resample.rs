@@ -1,6 +1,6 @@
 //! What users ask for: a mesh as geometry images, with every part of the papers selectable alone.
 
-use super::{Adjust, Atlas, ImageRequest, Sampling, geometry_images};
+use super::{Adjust, Atlas, Sampling};
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::param::{Border, Flattening, Param};
@@ -97,8 +97,8 @@ impl Resample {
             Adjustment::Hausdorff => Adjust::Hausdorff,
             Adjustment::Fit => Adjust::Fit,
         };
-        let request = ImageRequest { side: self.side, how: self.how(), sampling: self.sampling, adjust };
-        geometry_images(mesh, &request, task)
+        let atlas = Atlas::of_mesh(mesh, self.how(), task)?;
+        atlas.adjust(atlas.sample(self.side, self.sampling, task)?, adjust, task)
     }
 
     /// How much each component is stretched by its parametrisation: 1 where it is only scaled.

@@ -28,8 +28,7 @@ impl Rim {
     }
 
     /// Moves the samples that have both a hole and surface around them to the nearest point of the rim.
-    pub(super) fn draw(&self, points: &mut [DVec2], holes: Option<&Mask>, side: usize) {
-        let Some(holes) = holes else { return };
+    pub(super) fn draw(&self, points: &mut [DVec2], holes: &Mask, side: usize) {
         let mut hint = 0;
         for (at, point) in points.iter_mut().enumerate() {
             let (row, column) = (at / side, at % side);

@@ -63,6 +63,25 @@ impl CutGraph {
         self.set(mesh, h, true);
     }
 
+    /// Marks an edge and the paths from its ends back to the root of a tree, as far as they are not `on_path` already.
+    pub(crate) fn mark_loop<P: Iterator<Item = u32>>(
+        &mut self,
+        mesh: &HalfEdges,
+        h: u32,
+        on_path: &mut [bool],
+        back_from: impl Fn(u32) -> P,
+    ) {
+        self.mark(mesh, h);
+        for v in [mesh.from(h), mesh.to(h)] {
+            for g in back_from(v) {
+                if std::mem::replace(&mut on_path[mesh.to(g) as usize], true) {
+                    break;
+                }
+                self.mark(mesh, g);
+            }
+        }
+    }
+
     fn set(&mut self, mesh: &HalfEdges, h: u32, marked: bool) {
         self.marked[h as usize] = marked;
         if let Some(g) = mesh.opposite(h) {
@@ -94,15 +113,7 @@ impl CutGraph {
             if tree.has(h) || crossed.has(h) || mesh.opposite(h).is_some_and(|g| g < h) {
                 continue;
             }
-            cut.mark(mesh, h);
-            for v in [mesh.from(h), mesh.to(h)] {
-                for g in paths.back_from(mesh, v) {
-                    if std::mem::replace(&mut on_path[mesh.to(g) as usize], true) {
-                        break;
-                    }
-                    cut.mark(mesh, g);
-                }
-            }
+            cut.mark_loop(mesh, h, &mut on_path, |v| paths.back_from(mesh, v));
         }
         cut.prune(mesh, keep_root.then_some(root));
         cut

@@ -1,9 +1,10 @@
 //! Parametrisation: a surface flattened onto the unit square.
 //!
 //! A disk is pinned to the square's border ([`border`]); a closed surface of genus 0 covers the plane again and again, folded
-//! about four cones ([`orbifold`]), and the square is one copy of it; one with handles is cut open ([`seams`]). Either way every vertex has one unknown point, found from
-//! its neighbours ([`barycentric`]) and improved until the surface is stretched as little as may be ([`yoshizawa`],
-//! [`newton`]). Triangles that would be turned over are never kept silently: what comes out has none.
+//! about four cones ([`orbifold`]), and the square is one copy of it; one with handles is cut open ([`seams`]). Boundary loops
+//! that are not the square's border are filled ([`sheet`]). Either way every vertex has one unknown point, found from its
+//! neighbours ([`barycentric`]) and improved until the surface is stretched as little as may be ([`yoshizawa`], [`newton`]).
+//! Triangles that would be turned over are never kept silently: what comes out has none.
 
 mod barycentric;
 mod border;
@@ -86,20 +87,16 @@ pub(crate) fn flatten(mesh: HalfEdges, positions: Vec<DVec3>, how: Flattening, t
     };
     loops.sort_by(|a, b| length(a).total_cmp(&length(b)));
     let longest = loops.last().map_or(0.0, length);
-    let area: f64 = mesh.triangles().iter().map(|t| t.map(|v| positions[v as usize])).map(area).sum();
+    let area: f64 = mesh.triangles().iter().map(|t| area(t.map(|v| positions[v as usize]))).sum();
     let share = if how.border == Border::Auto { NEARLY_CLOSED } else { 0.0 };
-    let is_open = longest * longest / (4.0 * PI) > share * area;
-    let all = Sheet::filled(&mesh, positions.clone(), &loops)?;
-    let mut chart = if seams::handles(&all.mesh) > 0 {
-        seams::lay_out(&all, param, task)?
-    } else if is_open || (loops.len() == 1 && (area == 0.0 || how.border == Border::Square)) {
+    let is_open = !loops.is_empty() && longest * longest / (4.0 * PI) >= share * area;
+    let mut chart = if handles(&mesh, &loops) > 0 {
+        seams::lay_out(Sheet::filled(mesh, positions, &loops)?, param, task)?
+    } else if is_open {
         loops.pop();
-        let sheet = if loops.is_empty() { Sheet::new(mesh, positions) } else { Sheet::filled(&mesh, positions, &loops)? };
-        border::lay_out(sheet, param, task)?
-    } else if loops.is_empty() {
-        orbifold::lay_out(Sheet::new(mesh, positions), param, task)?
+        border::lay_out(Sheet::filled(mesh, positions, &loops)?, param, task)?
     } else {
-        orbifold::lay_out(all, param, task)?
+        orbifold::lay_out(Sheet::filled(mesh, positions, &loops)?, param, task)?
     };
     if param == Param::Stretch && chart.folds() == 0 {
         newton::improve(&mut chart, task)?;
@@ -110,8 +107,17 @@ pub(crate) fn flatten(mesh: HalfEdges, positions: Vec<DVec3>, how: Flattening, t
     }
 }
 
-fn area([a, b, c]: [DVec3; 3]) -> f64 {
+/// The area of a triangle.
+pub(crate) fn area([a, b, c]: [DVec3; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).length()
+}
+
+/// Handles of a connected surface, from its Euler number.
+fn handles(mesh: &HalfEdges, loops: &[Vec<u32>]) -> i64 {
+    let used = (0..mesh.vertices() as u32).filter(|&v| mesh.outgoing(v).is_some()).count() as i64;
+    let faces = mesh.triangles().len() as i64;
+    let edges = (3 * faces + loops.iter().map(|around| around.len() as i64).sum::<i64>()) / 2;
+    (2 - loops.len() as i64 - (used - edges + faces)) / 2
 }
 
 fn refused(id: String) -> Error {

@@ -7,7 +7,7 @@
 
 use std::cmp::Reverse;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::border::{at_border, prepare, rounds};
 use super::chart::{Chart, Freedom};
@@ -27,9 +27,6 @@ const ROOTED: usize = 200_000;
 const GRAINS: std::ops::RangeInclusive<u32> = 8..=1024;
 const GRAINS_A_SEAM: u32 = 3;
 
-/// Grains of a seam at least.
-const SHORTEST: u32 = 5;
-
 /// An edge of the border is split if it takes more than this share of a side of the square.
 const LONGEST: f64 = 0.4;
 
@@ -42,7 +39,7 @@ struct Opened {
 }
 
 /// Lays out a closed surface with handles.
-pub(super) fn lay_out(sheet: &Sheet, param: Param, task: &Task<'_>) -> Result<Chart> {
+pub(super) fn lay_out(sheet: Sheet, param: Param, task: &Task<'_>) -> Result<Chart> {
     let opened = open(sheet)?;
     let seams = opened.sides.len() as u32 / 2;
     let grains = GRAINS.start().max(&(GRAINS_A_SEAM * seams)).next_power_of_two();
@@ -69,15 +66,15 @@ pub(super) fn lay_out(sheet: &Sheet, param: Param, task: &Task<'_>) -> Result<Ch
 }
 
 /// Cuts a closed surface along the shortest graph that is found.
-fn open(sheet: &Sheet) -> Result<Opened> {
-    let Sheet { mesh, positions, filling } = sheet;
+fn open(sheet: Sheet) -> Result<Opened> {
+    let Sheet { mesh, positions, .. } = &sheet;
     let mut roots = far_apart(mesh, positions).to_vec();
     roots.truncate(if mesh.triangles().len() <= ROOTED { ROOTS } else { 1 });
     let length = |cut: &CutGraph| -> f64 {
         let marked = (0..3 * mesh.triangles().len() as u32).filter(|&h| cut.has(h));
         marked.map(|h| positions[mesh.from(h) as usize].distance(positions[mesh.to(h) as usize])).sum()
     };
-    let cuts = roots.into_iter().map(|root| cut(sheet, root)).map(|cut| (length(&cut), cut));
+    let cuts = roots.into_iter().map(|root| cut(mesh, positions, root)).map(|cut| (length(&cut), cut));
     let cut = cuts.fold(None, |best: Option<(f64, CutGraph)>, new| match best {
         Some(best) if best.0 <= new.0 => Some(best),
         _ => Some(new),
@@ -101,13 +98,12 @@ fn open(sheet: &Sheet) -> Result<Opened> {
     let sides = begins.iter().map(side).collect();
     let positions = origin.iter().map(|&v| positions[v as usize]).collect();
     // Corners on the border keep their numbers when edges are split.
-    let sheet = prepare(Sheet { mesh: opened, positions, filling: filling.clone() })?;
+    let sheet = prepare(Sheet { mesh: opened, positions, filling: sheet.filling })?;
     Ok(Opened { sheet, sides })
 }
 
 /// The cut of the shortest loops through a vertex. O(n log n).
-fn cut(sheet: &Sheet, root: u32) -> CutGraph {
-    let Sheet { mesh, positions, .. } = sheet;
+fn cut(mesh: &HalfEdges, positions: &[DVec3], root: u32) -> CutGraph {
     let reach = Reach::new(mesh, positions, &[root], |_| true);
     let mut tree = CutGraph::empty(mesh);
     for v in 0..mesh.vertices() as u32 {
@@ -131,15 +127,7 @@ fn cut(sheet: &Sheet, root: u32) -> CutGraph {
             joined.join(h / 3, g / 3);
             continue;
         }
-        cut.mark(mesh, h);
-        for v in [mesh.from(h), mesh.to(h)] {
-            for back in reach.back_from(mesh, v) {
-                if std::mem::replace(&mut on_path[mesh.to(back) as usize], true) {
-                    break;
-                }
-                cut.mark(mesh, back);
-            }
-        }
+        cut.mark_loop(mesh, h, &mut on_path, |v| reach.back_from(mesh, v));
     }
     cut.prune(mesh, None);
     cut
@@ -180,9 +168,9 @@ fn grains_of_sides(opened: &Opened, grains: u32) -> Result<Vec<u32>> {
     let seams: Vec<(usize, usize)> =
         opened.sides.iter().enumerate().map(|(i, side)| (i, side.1 as usize)).filter(|(i, j)| i < j).collect();
     let total = reach[vertices.len()];
-    let spare = (2 * grains).saturating_sub(SHORTEST * seams.len() as u32);
+    let spare = (2 * grains).saturating_sub(Seams::SHORTEST * seams.len() as u32);
     let wanted = |&(i, _): &(usize, usize)| {
-        ((reach[end(i)] - reach[begins[i]]) / total * f64::from(4 * grains) - f64::from(SHORTEST)).max(1e-3)
+        ((reach[end(i)] - reach[begins[i]]) / total * f64::from(4 * grains) - f64::from(Seams::SHORTEST)).max(1e-3)
     };
     let sum: f64 = seams.iter().map(wanted).sum();
     // The largest remainders are rounded up.
@@ -194,7 +182,7 @@ fn grains_of_sides(opened: &Opened, grains: u32) -> Result<Vec<u32>> {
     order.iter().cycle().take(left as usize).for_each(|&i| given[i] += 1);
     let mut lengths = vec![0; opened.sides.len()];
     for (&(i, j), more) in seams.iter().zip(given) {
-        (lengths[i], lengths[j]) = (SHORTEST + more, SHORTEST + more);
+        (lengths[i], lengths[j]) = (Seams::SHORTEST + more, Seams::SHORTEST + more);
     }
     Ok(lengths)
 }
@@ -277,11 +265,4 @@ fn cut_at_corners(opened: &mut Opened, lengths: &[u32], grains: u32, start: u32)
     }
     opened.sheet = sheet;
     Ok(())
-}
-
-/// Handles of a surface that is closed.
-pub(super) fn handles(mesh: &HalfEdges) -> i64 {
-    let used = (0..mesh.vertices() as u32).filter(|&v| mesh.outgoing(v).is_some()).count() as i64;
-    let faces = mesh.triangles().len() as i64;
-    (2 - used + 3 * faces / 2 - faces) / 2
 }

@@ -16,13 +16,12 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    pub(super) fn new(mesh: HalfEdges, positions: Vec<DVec3>) -> Self {
-        Self { mesh, positions, filling: Vec::new() }
-    }
-
-    /// The same with some of its boundary loops closed by fans about their middles.
-    pub(super) fn filled(mesh: &HalfEdges, mut positions: Vec<DVec3>, loops: &[Vec<u32>]) -> Result<Self> {
-        let closed = close(mesh, loops)?;
+    /// A surface with some of its boundary loops closed by fans about their middles.
+    pub(super) fn filled(mesh: HalfEdges, mut positions: Vec<DVec3>, loops: &[Vec<u32>]) -> Result<Self> {
+        if loops.is_empty() {
+            return Ok(Self { mesh, positions, filling: Vec::new() });
+        }
+        let closed = close(&mesh, loops)?;
         for around in loops {
             let sum: DVec3 = around.iter().map(|&h| positions[mesh.from(h) as usize]).sum();
             positions.push(sum / around.len() as f64);
@@ -34,8 +33,7 @@ impl Sheet {
     /// The same with a new vertex in the middle of every edge for which `wanted` says so of one of its half-edges.
     pub(super) fn split(&self, wanted: impl Fn(u32) -> bool) -> Result<Self> {
         let (mesh, positions, origin) = split_edges(&self.mesh, &self.positions, wanted)?;
-        let filling = if self.filling.is_empty() { &[][..] } else { &self.filling };
-        let filling = if filling.is_empty() { Vec::new() } else { origin.iter().map(|&f| filling[f as usize]).collect() };
+        let filling = origin.iter().filter_map(|&f| self.filling.get(f as usize).copied()).collect();
         Ok(Self { mesh, positions, filling })
     }
 }

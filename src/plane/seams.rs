@@ -10,12 +10,6 @@
 use super::Shape;
 use crate::error::{Error, Result};
 
-/// The fewest grains of a side.
-const SHORTEST: u32 = 5;
-
-/// Grains a side of an image at most: as many as an image of 2¹⁶ samples has.
-const FINEST: u32 = 1 << 16;
-
 /// A piece of the border and the one that it is glued to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct BorderSide {
@@ -33,15 +27,20 @@ pub(crate) struct Seams {
 }
 
 impl Seams {
+    /// The fewest grains of a side.
+    pub(crate) const SHORTEST: u32 = 5;
+    /// Grains a side of an image at most.
+    pub(crate) const FINEST: u32 = 1 << 16;
+
     /// Seams of an image of `grains` grains a side whose first side begins `start` grains after the first sample.
     pub(crate) fn new(grains: u32, start: u32, sides: Vec<BorderSide>) -> Result<Self> {
         let refuse = |why: String| Err(Error::Parameter(format!("seams that make no surface: {why}")));
-        if !(1..=FINEST).contains(&grains) || start >= 4 * grains {
+        if !(1..=Self::FINEST).contains(&grains) || start >= 4 * grains {
             return refuse(format!("{grains} grains a side, the first side after {start}"));
         }
         for (i, side) in sides.iter().enumerate() {
             let Some(mate) = sides.get(side.mate as usize) else { return refuse(format!("side {i} is glued to none")) };
-            if mate.mate as usize != i || mate.length != side.length || side.length < SHORTEST {
+            if mate.mate as usize != i || mate.length != side.length || side.length < Self::SHORTEST {
                 return refuse(format!("side {i} of {} grains is glued to one of {}", side.length, mate.length));
             }
             let apart = (side.mate as usize).abs_diff(i);
@@ -90,22 +89,23 @@ impl Seams {
     pub(crate) fn vertices(&self, squares: u64) -> u64 {
         let inner = squares.saturating_sub(1) * squares.saturating_sub(1);
         // Each seam but its ends, once; then the ends.
-        inner + 2 * squares - self.sides.len() as u64 / 2 + self.ends()
+        inner + 2 * squares - self.sides.len() as u64 / 2 + self.ends().len() as u64
     }
 
-    /// How many points the ends of sides are.
-    fn ends(&self) -> u64 {
-        // The end of a side is the beginning of the next; both sides of a seam run against each other.
+    /// For every point at which sides end, the sides that begin there: the end of a side is the beginning of the next, and both sides
+    /// of a seam run against each other.
+    fn ends(&self) -> Vec<Vec<usize>> {
         let count = self.sides.len();
         let mut seen = vec![false; count];
-        let mut ends = 0;
+        let mut ends = Vec::new();
         for first in 0..count {
-            let mut side = first;
-            if !seen[side] {
-                ends += 1;
-            }
+            let (mut side, mut around) = (first, Vec::new());
             while !std::mem::replace(&mut seen[side], true) {
+                around.push(side);
                 side = (self.sides[side].mate as usize + 1) % count;
+            }
+            if !around.is_empty() {
+                ends.push(around);
             }
         }
         ends
@@ -123,17 +123,10 @@ impl Seams {
             })
             .collect();
         let sample = |at: usize| along_border(shape, at % around);
-        // The ends first: turning about a point leads through all sides that begin there.
-        let count = self.sides.len();
-        let mut seen = vec![false; count];
-        for first in 0..count {
-            let (mut side, mut copies) = (first, Vec::new());
-            while !std::mem::replace(&mut seen[side], true) {
-                copies.push(sample(starts[side]));
-                side = (self.sides[side].mate as usize + 1) % count;
-            }
-            let least = copies.iter().copied().min().unwrap_or(0);
-            copies.into_iter().for_each(|p| representatives[p] = least as u32);
+        for around in self.ends() {
+            let copies = || around.iter().map(|&side| sample(starts[side]));
+            let least = copies().min().unwrap_or(0);
+            copies().for_each(|p| representatives[p] = least as u32);
         }
         for (i, side) in self.sides.iter().enumerate() {
             let (length, mate) = (side.length as usize * scale, starts[side.mate as usize]);
