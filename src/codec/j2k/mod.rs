@@ -50,7 +50,7 @@ pub(crate) use decode::{decode, profile};
 #[cfg(feature = "encode")]
 pub(crate) use encode::{Encoded, Quality, Settings, encode};
 pub(crate) use jp2::wrap;
-#[cfg(all(test, feature = "encode"))]
+#[cfg(all(feature = "encode", any(test, feature = "inner")))]
 pub(crate) use target::psnr;
 
 use super::PlaneCodec;

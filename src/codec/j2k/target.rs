@@ -188,7 +188,7 @@ fn error(a: &Planes, b: &Planes) -> f64 {
 }
 
 /// The peak signal-to-noise ratio that [`Quality::Psnr`] means, in dB; infinite for equal planes.
-#[cfg(test)]
+#[cfg(any(test, feature = "inner"))]
 pub(crate) fn psnr(a: &Planes, b: &Planes) -> f64 {
     -10.0 * error(a, b).log10()
 }
