@@ -5,7 +5,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gimc::{Codec, Decoder, Effort, EncodeOptions, GimChoices, Grid, Mesh};
+use gimc::{Codec, Decoder, Effort, EncodeOptions, GimChoices, Grid, Mesh, Roi, RoiPlace};
 use trials::seal::{self, Chunk};
 
 type Failure = Box<dyn std::error::Error>;
@@ -56,6 +56,7 @@ fn valid(corpus: &Path) -> Result<Vec<(&'static str, Mesh, EncodeOptions)>, Fail
         choices.stages = stages.to_vec();
         options.image(choices)
     };
+    let at_one_end = Roi::new(RoiPlace::Box([[0.5, -9.0, -9.0], [9.0; 3]]));
     Ok(vec![
         ("bumpy_sphere-8-fast", open("bumpy_sphere.ply")?, cgim().bits(8).effort(Effort::Fast)),
         ("torus_with_holes-11", open("torus_with_holes.ply")?, cgim().bits(11)),
@@ -71,6 +72,8 @@ fn valid(corpus: &Path) -> Result<Vec<(&'static str, Mesh, EncodeOptions)>, Fail
         ("torus_with_holes-gim", open("torus_with_holes.ply")?, gim(33, Codec::Wavelet).step(0.05)),
         ("genus_5-gim", open("genus_5.ply")?, gim(129, Codec::Wavelet).step(0.1)),
         ("components-gim", open("components.ply")?, gim(17, Codec::Wavelet).step(0.1)),
+        ("bumpy_sphere-gim-roi", open("bumpy_sphere.ply")?, gim(33, Codec::Wavelet).step(0.02).roi(at_one_end.clone())),
+        ("bumpy_sphere-8-roi", open("bumpy_sphere.ply")?, cgim().bits(8).roi(at_one_end.bits(12))),
         ("sphere-lattice", open("sphere.ply")?, cgim().lattice([-1.5, 0.25, 0.0], 0.01)),
         ("sphere-double-20", double, cgim().bits(20)),
         ("sphere-1-fast", open("sphere.ply")?, cgim().bits(1).effort(Effort::Fast)),

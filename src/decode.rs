@@ -6,7 +6,7 @@ mod image;
 mod info;
 
 pub use crate::extras::AttributeInfo;
-pub use info::{ChunkInfo, Info};
+pub use info::{ChunkInfo, Info, RoiInfo};
 
 use crate::bits::Reader;
 use crate::charts;
@@ -242,9 +242,9 @@ impl MeshFile<'_> {
                 let count = surface::ranges(census).len();
                 let mut positions = vec![chunk.positions(count)?];
                 for stage in stages {
-                    positions.push(read_stage(stage.clone(), count)?);
+                    positions.push(read_stage(stage.clone(), count + usize::from(chunk.has_region))?);
                 }
-                let plan = surface::Plan { effort, stages: &chunk.stages };
+                let plan = surface::Plan { effort, stages: &chunk.stages, has_region: chunk.has_region };
                 let (connectivity, extent) = (chunk.connectivity, header.extent);
                 let coded = surface::Coded { plan, census, extent, connectivity, positions };
                 let (surface, positions) = surface::read(&coded, budget, task)?;

@@ -16,7 +16,7 @@ use crate::format::{
 use crate::images;
 use crate::limits::Limits;
 use crate::mesh::{Attribute, AttributeKind, Domain, Front, HalfEdges, Mesh, Scalar};
-use crate::options::{Accuracy, Codec, EncodeOptions, Method, Quality};
+use crate::options::{Accuracy, Codec, EncodeOptions, Method, Quality, Roi};
 use crate::plane::{Lattice, bounding_box};
 use crate::surface::attributes::Form;
 use crate::surface::{self, Effort, Filled};
@@ -91,9 +91,17 @@ impl EncodeOptions {
             extent: [0; 3],
             bound: 0.0,
         };
-        let (mut header, positions) = place(self.accuracy, draft, mesh)?;
+        let inside = self.inside(mesh)?;
+        let (mut header, mut positions) = match &inside {
+            Some((bits, ..)) => place(Accuracy::Bits(*bits), draft, mesh)?,
+            None => place(self.accuracy, draft, mesh)?,
+        };
+        if let Some((_, shift, inside)) = &inside {
+            coarsen(&mut header, &mut positions, inside, *shift, mesh);
+        }
         let on_surface: Vec<[i32; 3]> = front.vertex.iter().map(|&v| positions[v as usize]).collect();
-        let source = Source { mesh, front: &front, positions: &on_surface };
+        let inside = inside.map(|(_, shift, inside)| (shift, front.vertex.iter().map(|&v| inside[v as usize]).collect()));
+        let source = Source { mesh, front: &front, positions: &on_surface, inside };
         let (body, coded) = self.write_surface(&source, &mut header, &mut notes, task)?;
         let mut writer = ChunkWriter::new();
         writer.chunk(Header::TAG, &header.write());
@@ -123,7 +131,9 @@ impl EncodeOptions {
             return Err(MeshDefect::Empty.into());
         }
         let lossy = self.codec == Codec::J2k && self.j2k.quality != Quality::Lossless;
-        let only = if !self.image.stages.is_empty() {
+        let only = if self.roi.as_ref().is_some_and(|roi| roi.bits.is_some()) {
+            "regions of interest are"
+        } else if !self.image.stages.is_empty() {
             "stages are"
         } else if lossy {
             "lossy planes are"
@@ -149,7 +159,17 @@ impl EncodeOptions {
     /// else can be told from that.
     fn is_special_image(&self) -> bool {
         let lossy = self.codec == Codec::J2k && self.j2k.quality != Quality::Lossless;
-        !self.image.stages.is_empty() || lossy || self.image.normals.is_some()
+        !self.image.stages.is_empty() || lossy || self.image.normals.is_some() || self.roi.is_some()
+    }
+
+    /// For a region of interest with a finer lattice: its bits, how many of them all others lack, and whether each vertex is inside.
+    fn inside(&self, mesh: &Mesh) -> Result<Option<(u32, u32, Vec<bool>)>> {
+        match (&self.roi, self.accuracy) {
+            (Some(Roi { place, bits: Some(bits), .. }), Accuracy::Bits(outside)) => {
+                Ok(Some((*bits, bits - outside, place.on(mesh)?.vertices().to_vec())))
+            }
+            _ => Ok(None),
+        }
     }
 
     /// How each attribute is kept, by its number, and what is not kept.
@@ -161,7 +181,7 @@ impl EncodeOptions {
             let is_plane = |a: &Attribute| has_plane && a.kind == AttributeKind::Normal && a.domain == Domain::Vertex;
             let left_out = attributes.drain(..).map(|(i, _)| &mesh.attributes[i]).filter(|a| !is_plane(a));
             notes.extend(left_out.map(|a| {
-                format!("attribute `{}` was left out: files in stages, lossy planes and planes of normals have none", a.name)
+                format!("attribute `{}` was left out: files in stages or with a region of interest, lossy planes and planes of normals have none", a.name)
             }));
         }
         if !self.attributes.groups && !mesh.labels.is_empty() {
@@ -183,12 +203,16 @@ impl EncodeOptions {
         let (chunks, order) = match self.codec {
             Codec::Surface => {
                 let filled = Filled::new(surface);
-                let plan = surface::Plan { effort: self.effort, stages: &self.image.stages };
-                let (streams, walked) = surface::write(&filled, source.positions, header.extent, plan, task)?;
+                let shift = source.inside.as_ref().map(|(shift, _)| vec![*shift as u8]);
+                let stages = shift.as_deref().unwrap_or(&self.image.stages);
+                let inside = source.inside.as_ref().map(|(_, inside)| &inside[..]);
+                let plan = surface::Plan { effort: self.effort, stages, has_region: inside.is_some() };
+                let (streams, walked) = surface::write(&filled, source.positions, header.extent, plan, inside, task)?;
                 let census = [filled.census.holes, filled.census.components, filled.census.handles];
                 let mut stages = streams.positions.iter();
                 let first = stages.next().map_or(&[][..], Vec::as_slice);
-                let chunk = SurfaceChunk::write(plan.effort as u8, plan.stages, census, &streams.connectivity, first);
+                let chunk =
+                    SurfaceChunk::write(plan.effort as u8, plan.stages, plan.has_region, census, &streams.connectivity, first);
                 let later = stages.map(|streams| (STAGE, format::write_stage(streams)));
                 (std::iter::once((SurfaceChunk::TAG, chunk)).chain(later).collect(), Err(walked))
             }
@@ -244,6 +268,8 @@ struct Source<'a> {
     front: &'a Front,
     /// The lattice position of each vertex of the surface.
     positions: &'a [[i32; 3]],
+    /// If there is a region of interest: the bits that all others lack, and whether each vertex of the surface is inside.
+    inside: Option<(u32, Vec<bool>)>,
 }
 
 /// Bits of the lattice on which exact coordinates are predicted; what is left of them is mostly noise.
@@ -317,12 +343,26 @@ fn on_lattice(form: LatticeForm, draft: Header, mesh: &Mesh) -> Result<(Header, 
     }
     let mut header = Header { lattice: form, low: low.map(|l| l as i64), extent: reach.map(|r| r as i32), ..draft };
     let positions: Vec<[i32; 3]> = indices.iter().map(|q| [0, 1, 2].map(|i| (q[i] - low[i]) as i32)).collect();
+    header.bound = if header.extras.exact { 0.0 } else { farthest_moved(&header, &positions, mesh) };
+    Ok((header, positions))
+}
+
+/// How far a vertex moves at most.
+fn farthest_moved(header: &Header, positions: &[[i32; 3]], mesh: &Mesh) -> f32 {
+    let lattice = header.lattice.lattice();
     let moved = positions.iter().zip(&mesh.positions).map(|(q, p)| {
         let decoded = header.position(&lattice, *q);
         [0, 1, 2].map(|i| (decoded[i] - p[i]) * (decoded[i] - p[i])).iter().sum::<f64>()
     });
-    header.bound = if header.extras.exact { 0.0 } else { round_up(moved.fold(0.0, f64::max).sqrt()) };
-    Ok((header, positions))
+    round_up(moved.fold(0.0, f64::max).sqrt())
+}
+
+/// Takes the lowest `shift` bits from all vertices that are not inside: they stand in the middle of what is left.
+fn coarsen(header: &mut Header, positions: &mut [[i32; 3]], inside: &[bool], shift: u32, mesh: &Mesh) {
+    for (position, _) in positions.iter_mut().zip(inside).filter(|(_, inside)| !**inside) {
+        *position = [0, 1, 2].map(|i| surface::middle(position[i] >> shift, shift, header.extent[i]));
+    }
+    header.bound = farthest_moved(header, positions, mesh);
 }
 
 /// The smallest `f32` that is no less than `x`, with the rounding of the sums before it allowed for.

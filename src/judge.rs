@@ -5,7 +5,7 @@
 use crate::distance::{Frame, SampleOptions, Sampled, Surface, certify, sample, sample_spread};
 use crate::error::{Error, MeshDefect, Result};
 use crate::geom::Aabb;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Region};
 use crate::task::Task;
 
 /// A surface that others are compared with.
@@ -13,6 +13,8 @@ pub(crate) struct Judge {
     frame: Frame,
     original: Surface,
     diagonal: f64,
+    /// The faces that matter most, if some do.
+    region: Option<Surface>,
 }
 
 /// What was found.
@@ -20,8 +22,17 @@ pub(crate) struct Judge {
 pub(crate) struct Measured {
     /// As `eval::Comparison::psnr`.
     pub(crate) psnr: f64,
+    /// The same of the region of interest: from its points to the other surface.
+    pub(crate) region: Option<f64>,
     /// The greatest distance seen.
     pub(crate) hausdorff: f64,
+}
+
+impl Measured {
+    /// What searches aim at: the region's, if there is one.
+    pub(crate) fn aimed_at(&self) -> f64 {
+        self.region.unwrap_or(self.psnr)
+    }
 }
 
 /// Samples on each surface that `eval::compare` takes at least, and for each triangle.
@@ -47,7 +58,14 @@ impl Judge {
         if surface.is_empty() {
             return Err(MeshDefect::Empty.into());
         }
-        Ok(Self { frame, original: surface, diagonal: around.size().length() })
+        Ok(Self { frame, original: surface, diagonal: around.size().length(), region: None })
+    }
+
+    /// From now on a psnr that is searched for is that of a region of the original.
+    pub(crate) fn look_at(&mut self, original: &Mesh, region: &Region) {
+        let inside = original.faces.triangles().into_iter().filter(|t| region.has_face(t));
+        let surface = Surface::new(self.frame, &original.positions, &inside.collect::<Vec<_>>());
+        self.region = (!surface.is_empty()).then_some(surface);
     }
 
     /// The diagonal of the original's box.
@@ -59,15 +77,29 @@ impl Judge {
     pub(crate) fn measure(&self, decoded: &Mesh, task: Task<'_>) -> Result<Measured> {
         let decoded = self.surface(decoded)?;
         let [there, back] = self.both_ways(&decoded, 1.0, |from, to, options| sample(from, to, options, &task))?;
-        Ok(Measured { psnr: self.psnr_of(there, back), hausdorff: self.frame.length_outside(there.max.max(back.max)) })
+        let of_region = |region: &Surface| -> Result<f64> {
+            let options = SampleOptions { samples: samples_of(region), seed: SEED };
+            Ok(self.psnr_of(&[sample(region, &decoded, options, &task)?]))
+        };
+        let region = self.region.as_ref().map(of_region).transpose()?;
+        Ok(Measured {
+            psnr: self.psnr_of(&[there, back]),
+            region,
+            hausdorff: self.frame.length_outside(there.max.max(back.max)),
+        })
     }
 
-    /// The psnr by few samples: off by some hundredths of a dB, and by about the same for surfaces that are nearly the same.
+    /// The psnr that is searched for, by few samples: off by some hundredths of a dB, and by about the same for surfaces that are
+    /// nearly the same.
     pub(crate) fn psnr(&self, decoded: &Mesh, task: Task<'_>) -> Result<f64> {
         let decoded = self.surface(decoded)?;
+        if let Some(region) = &self.region {
+            let options = SampleOptions { samples: FEW_SAMPLES.min(samples_of(region)), seed: SEED };
+            return Ok(self.psnr_of(&[sample_spread(region, &decoded, options, &task)?]));
+        }
         let share = self.share_of_few(&decoded);
-        let [there, back] = self.both_ways(&decoded, share, |from, to, options| sample_spread(from, to, options, &task))?;
-        Ok(self.psnr_of(there, back))
+        let both = self.both_ways(&decoded, share, |from, to, options| sample_spread(from, to, options, &task))?;
+        Ok(self.psnr_of(&both))
     }
 
     /// The greatest distance of few samples and of all vertices.
@@ -94,8 +126,9 @@ impl Judge {
         Ok([measure(&self.original, decoded, options(&self.original))?, measure(decoded, &self.original, options(decoded))?])
     }
 
-    fn psnr_of(&self, there: Sampled, back: Sampled) -> f64 {
-        let rms = ((there.sum2 + back.sum2) / (there.samples + back.samples) as f64).sqrt();
+    fn psnr_of(&self, sampled: &[Sampled]) -> f64 {
+        let (sum, count) = sampled.iter().fold((0.0, 0), |(sum, count), s| (sum + s.sum2, count + s.samples));
+        let rms = (sum / count.max(1) as f64).sqrt();
         let rms = self.frame.length_outside(rms);
         if rms <= self.diagonal * 1e-15 { PSNR_OF_EQUALS } else { 20.0 * (self.diagonal / rms).log10() }
     }

@@ -83,7 +83,7 @@ mod sparse;
 mod surface;
 mod task;
 
-pub use decode::{AttributeInfo, ChunkInfo, Decoder, Info};
+pub use decode::{AttributeInfo, ChunkInfo, Decoder, Info, RoiInfo};
 #[cfg(feature = "encode")]
 pub use encode::Encoded;
 pub use error::{Error, MeshDefect, Place, Result};
@@ -94,8 +94,8 @@ pub use mesh::{
 };
 #[cfg(feature = "encode")]
 pub use options::{
-    Accuracy, Adjust, AttributeChoices, Border, Boundaries, Codec, EncodeOptions, GimChoices, Grid, ImageChoices, J2kChoices,
-    Method, Param, Precision, Quality, Sampling,
+    Accuracy, Adjust, AttributeChoices, Border, Boundaries, Closer, Codec, EncodeOptions, GimChoices, Grid, ImageChoices,
+    J2kChoices, Method, Param, Precision, Quality, Roi, RoiPlace, Sampling,
 };
 pub use par::with_threads;
 pub use plane::{GeometryImage, Gluing, Lattice};

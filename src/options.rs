@@ -2,9 +2,11 @@
 
 mod attributes;
 mod gim;
+mod roi;
 
 pub use attributes::{AttributeChoices, Precision};
 pub use gim::{Adjust, Border, GimChoices, Grid, Param, Sampling};
+pub use roi::{Closer, Roi, RoiPlace};
 
 use crate::error::{Error, Result};
 use crate::plane::Lattice;
@@ -38,6 +40,8 @@ pub struct EncodeOptions {
     pub j2k: J2kChoices,
     /// Which attributes are kept, and how exact. Default: all.
     pub attributes: AttributeChoices,
+    /// What matters most of the surface. Default: nothing more than the rest.
+    pub roi: Option<Roi>,
 }
 
 /// How a mesh is kept.
@@ -182,6 +186,7 @@ impl EncodeOptions {
             keep_order: false,
             j2k: J2kChoices::default(),
             attributes: AttributeChoices::default(),
+            roi: None,
         }
     }
 
@@ -203,6 +208,12 @@ impl EncodeOptions {
     /// The same with other choices for geometry images.
     pub fn gim_choices(mut self, choices: GimChoices) -> Self {
         self.gim = choices;
+        self
+    }
+
+    /// The same with a region of interest.
+    pub fn roi(mut self, roi: Roi) -> Self {
+        self.roi = Some(roi);
         self
     }
 
@@ -291,6 +302,7 @@ impl EncodeOptions {
         self.j2k.check()?;
         self.check_codec()?;
         self.check_method()?;
+        self.check_roi()?;
         self.attributes.check()?;
         match self.accuracy {
             Accuracy::Bits(bits) if !(1..=crate::format::MAX_BITS).contains(&bits) => {

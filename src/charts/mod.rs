@@ -8,6 +8,8 @@ mod picture;
 #[cfg(feature = "encode")]
 mod psnr;
 #[cfg(feature = "encode")]
+mod region;
+#[cfg(feature = "encode")]
 mod sample;
 #[cfg(feature = "encode")]
 mod search;
@@ -15,6 +17,8 @@ mod surface;
 #[cfg(feature = "encode")]
 mod write;
 
+#[cfg(feature = "encode")]
+pub(crate) use region::Interesting;
 #[cfg(feature = "encode")]
 pub(crate) use sample::sample;
 #[cfg(feature = "encode")]
@@ -27,12 +31,12 @@ pub(crate) use write::How;
 use crate::codec::Exr;
 use crate::codec::j2k::J2k;
 use crate::codec::mask;
-use crate::codec::wavelet::{self, Layout};
+use crate::codec::wavelet::{self, Layout, Zones};
 use crate::codec::{PlaneCodec, Raw};
 use crate::error::{Error, Place, Result};
-use crate::format::{ImageBody, ImageChunk, PlanesBy};
+use crate::format::{ImageBody, ImageChunk, PlanesBy, RegionField};
 use crate::limits::Budget;
-use crate::plane::{GeometryImage, Gluing, Lattice, Mask, Planes, Shape};
+use crate::plane::{GeometryImage, Gluing, Lattice, Mask, Planes, RegionCells, Shape};
 use crate::task::Task;
 
 /// Bytes a sample that the mesh takes, and its codec of planes.
@@ -54,7 +58,7 @@ fn shape(chunk: &ImageChunk<'_>) -> Result<Shape> {
 fn layout(chunk: &ImageChunk<'_>) -> Result<Option<Layout>> {
     match chunk.body {
         ImageBody::Wavelet { levels, step, .. } => {
-            let layout = Layout { shape: shape(chunk)?, gluing: chunk.gluing, levels, step: step.into() };
+            let layout = Layout { shape: shape(chunk)?, gluing: chunk.gluing, levels, step: step.into(), zones: None };
             layout.check()?;
             Ok(Some(layout))
         }
@@ -88,7 +92,8 @@ pub(crate) fn vertices_at(chunk: &ImageChunk<'_>, level: u8) -> Result<u64> {
 pub(crate) fn cost(chunk: &ImageChunk<'_>, level: u8) -> Result<(u64, u64)> {
     let codec = layout(chunk)?.map_or((0, 0), |layout| layout.cost(level.min(chunk.levels())));
     let mask = if chunk.holes.is_some() { mask::cost(squares(shape(chunk)?)?) } else { (0, 0) };
-    let parts = [mesh_cost(chunk, level)?, codec, mask];
+    let region = if chunk.region.is_some() { mask::cost(RegionCells::layout(shape(chunk)?)?.0) } else { (0, 0) };
+    let parts = [mesh_cost(chunk, level)?, codec, mask, region];
     Ok(parts.into_iter().fold((0, 0), |sum: (u64, u64), part| (sum.0.saturating_add(part.0), sum.1.saturating_add(part.1))))
 }
 
@@ -121,6 +126,14 @@ pub(crate) fn read(chunk: &ImageChunk<'_>, level: u8, budget: &mut Budget, task:
     let malformed = |e: Error| Error::malformed(Place::Whole, e.to_string());
     let mut image = match (chunk.body, layout(chunk)?) {
         (ImageBody::Wavelet { bounds, .. }, Some(layout)) => {
+            let zones = match chunk.region {
+                Some(region) if region.coarser > 0 => {
+                    let cells = region_cells(&region, whole, budget)?;
+                    Some(Zones::new(&cells, chunk.gluing, region.coarser))
+                }
+                _ => None,
+            };
+            let layout = Layout { zones, ..layout };
             wavelet::decode(chunk.bytes, &layout, bounds.bounds(), level, budget, &task)?
         }
         (ImageBody::Planes { codec, depth, lattice }, _) => {
@@ -142,6 +155,20 @@ pub(crate) fn read(chunk: &ImageChunk<'_>, level: u8, budget: &mut Budget, task:
         image = image.with_holes(at_level(&mask, level)).map_err(malformed)?;
     }
     Ok(image)
+}
+
+/// The region of interest of an image, if it has one.
+pub(crate) fn region(chunk: &ImageChunk<'_>, budget: &mut Budget) -> Result<Option<RegionCells>> {
+    let whole = shape(chunk)?;
+    budget.check_pixels(whole.pixels() as u64)?;
+    budget.reserve(whole.pixels() as u64)?;
+    chunk.region.map(|region| region_cells(&region, whole, budget)).transpose()
+}
+
+/// The cells of an image that its region of interest takes.
+fn region_cells(region: &RegionField<'_>, image: Shape, budget: &mut Budget) -> Result<RegionCells> {
+    let (cells, _) = RegionCells::layout(image)?;
+    RegionCells::new(image, mask::read(region.bytes, cells, budget)?)
 }
 
 /// The holes of an image after `level` halvings: squares all of whose parts are holes.

@@ -25,7 +25,7 @@ const FALL: f64 = 7.0;
 /// Images, coded again and again.
 struct Trials<'a> {
     images: &'a [GeometryImage],
-    how: How,
+    how: How<'a>,
     aim: &'a Aim<'a>,
     /// What many samples say more than few, in dB.
     offset: f64,
@@ -49,8 +49,8 @@ impl Trials<'_> {
             None => self.aim.judge.measure(&found.coded.mesh()?, self.aim.task)?,
         };
         found.measured = Some(measured);
-        self.offset = measured.psnr - found.psnr;
-        Ok(measured.psnr)
+        self.offset = measured.aimed_at() - found.psnr;
+        Ok(measured.aimed_at())
     }
 
     /// A step whose psnr lies in `low ..= high`, or else the largest that was found above.
@@ -101,7 +101,7 @@ fn out_of_reach(target: f64, images: &[GeometryImage]) -> Error {
 }
 
 /// Codes images so that their psnr is nearly what is aimed at.
-pub(super) fn search(images: &[GeometryImage], how: How, aim: &Aim<'_>, target: f64, start: Option<f64>) -> Result<Found> {
+pub(super) fn search(images: &[GeometryImage], how: How<'_>, aim: &Aim<'_>, target: f64, start: Option<f64>) -> Result<Found> {
     let trials = Trials { images, how, aim, offset: 0.0 };
     // A sample moves in three directions, and the surface feels one of them.
     let start = start.unwrap_or(4.0 * aim.judge.diagonal() / 10_f64.powf(target / 20.0));
@@ -117,7 +117,7 @@ const CONFIRMED: usize = 3;
 const RETRIES: usize = 6;
 
 /// The fewest bytes around a step that nearly meets the target.
-pub(super) fn finish(images: &[GeometryImage], how: How, aim: &Aim<'_>, target: f64, found: Found) -> Result<Found> {
+pub(super) fn finish(images: &[GeometryImage], how: How<'_>, aim: &Aim<'_>, target: f64, found: Found) -> Result<Found> {
     let size = |found: &Found| found.coded.size(aim.history);
     let mut trials = Trials { images, how, aim, offset: 0.0 };
     let mut found = found;

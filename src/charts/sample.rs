@@ -5,14 +5,15 @@
 //! search for the step, since what is cheap depends on the step.
 
 use super::mesh;
+use super::region::Interesting;
 use super::search::{Aim, Found, finish, search};
 use super::write::How;
 use crate::codec::wavelet::shrink;
 use crate::error::{Error, Result};
-use crate::gim::{self, Atlas, Flattening};
-use crate::mesh::{Mesh, Scalar};
+use crate::gim::{self, Atlas, Map, Sampler};
+use crate::mesh::Scalar;
 use crate::options::{Accuracy, Adjust, GimChoices, Grid};
-use crate::plane::GeometryImage;
+use crate::plane::{GeometryImage, Shape};
 use crate::task::Task;
 
 /// Samples a side that [`Grid::Auto`] chooses among.
@@ -32,26 +33,35 @@ const ROUNDS: usize = 4;
 const SHARE: f64 = 0.4;
 
 /// Samples a surface for a target and codes it.
-pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<'_>, task: Task<'_>) -> Result<Found> {
-    let atlas = Atlas::of_mesh(original, Flattening { param: choices.param, border: choices.border }, &task)?;
-    task.step(0.3)?;
-    let plain = |side: usize| atlas.sample(side, choices.sampling, &task);
+pub(crate) fn sample(
+    atlas: &Atlas,
+    interesting: Option<&Interesting<'_>>,
+    how: How<'_>,
+    choices: &GimChoices,
+    aim: &Aim<'_>,
+    task: Task<'_>,
+) -> Result<Found> {
+    let sampler = Sampler { sampling: choices.sampling, focus: interesting.map(Interesting::focus) };
+    let plain = |side: usize| atlas.sample(side, sampler, &task);
     let adjusted = |images: Vec<GeometryImage>| -> Result<Vec<GeometryImage>> {
         match choices.adjust {
             Adjust::None => Ok(images),
             Adjust::Fit | Adjust::Rate => atlas.adjust(images, gim::Adjust::Fit, &task),
-            Adjust::Hausdorff => atlas.adjust(images, gim::Adjust::Hausdorff, &task),
+            Adjust::Hausdorff => atlas.adjust(images, gim::Adjust::Hausdorff(sampler.focus), &task),
         }
     };
+    let cells = |images: &[GeometryImage]| interesting.map_or(Ok(Vec::new()), |some| some.cells(images));
     let cheapest = |images: Vec<GeometryImage>| -> Result<Found> {
         task.step(0.5)?;
+        let cells = cells(&images)?;
+        let how = interesting.map_or(how, |some| some.among(&cells, how));
         let mut found = search(&images, how, aim, None)?;
         let mut best = images;
         if choices.adjust == Adjust::Rate {
             let mut images = best.clone();
             for turn in 0..TURNS {
                 task.step(0.6 + 0.15 * turn as f64)?;
-                images = cheaper(&atlas, images, found.step, task)?;
+                images = cheaper(atlas, images, found.step, interesting, task)?;
                 let other = match search(&images, how, aim, Some(found.step)) {
                     Ok(other) => other,
                     // What was dropped is missed.
@@ -67,12 +77,17 @@ pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<
     };
     match choices.grid {
         Grid::Side(side) => cheapest(adjusted(plain(side as usize)?)?),
+        Grid::Size(columns, rows) => cheapest(adjusted(atlas.sample_as(Shape::new(columns, rows)?, sampler, &task)?)?),
         Grid::Auto => {
             let fitting: Vec<usize> = SIDES.into_iter().filter(|side| (side - 1).is_multiple_of(atlas.grains())).collect();
             let mut sides = &fitting[..];
             let headroom = if choices.adjust == Adjust::Rate { HEADROOM } else { LESS_HEADROOM };
             loop {
-                let (images, finer) = choose(plain, adjusted, sides, headroom, aim, how, task)?;
+                let coded = |images: &[GeometryImage]| {
+                    let cells = cells(images)?;
+                    search(images, interesting.map_or(how, |some| some.among(&cells, how)), aim, None)
+                };
+                let (images, finer) = choose(plain, adjusted, sides, headroom, aim, coded, task)?;
                 match cheapest(images) {
                     // The surface was good enough, but rounding it was not.
                     Err(Error::Parameter(_)) if !finer.is_empty() => sides = finer,
@@ -84,9 +99,19 @@ pub(crate) fn sample(original: &Mesh, how: How, choices: &GimChoices, aim: &Aim<
 }
 
 /// The images with their samples where they cost less at a step.
-fn cheaper(atlas: &Atlas, images: Vec<GeometryImage>, step: f64, task: Task<'_>) -> Result<Vec<GeometryImage>> {
-    let shrink = |image: &GeometryImage| shrink(image, step, SHARE, &task);
-    atlas.adjust(images, gim::Adjust::Rate { shrink: &shrink, rounds: ROUNDS }, &task)
+fn cheaper(
+    atlas: &Atlas,
+    images: Vec<GeometryImage>,
+    step: f64,
+    interesting: Option<&Interesting<'_>>,
+    task: Task<'_>,
+) -> Result<Vec<GeometryImage>> {
+    let moved = |(map, image): (&Map, GeometryImage)| {
+        let zones = interesting.map(|some| some.zones(&image)).transpose()?;
+        let shrink = |image: &GeometryImage| shrink(image, step, zones.clone(), SHARE, &task);
+        map.adjust(image, gim::Adjust::Rate { shrink: &shrink, rounds: ROUNDS }, &task)
+    };
+    atlas.maps().iter().zip(images).map(moved).collect()
 }
 
 /// What moving samples may be worth, in dB.
@@ -99,7 +124,7 @@ fn choose<'a>(
     sides: &'a [usize],
     headroom: f64,
     aim: &Aim<'_>,
-    how: How,
+    coded: impl Fn(&[GeometryImage]) -> Result<Found>,
     task: Task<'_>,
 ) -> Result<(Vec<GeometryImage>, &'a [usize])> {
     let judge = aim.judge;
@@ -141,8 +166,7 @@ fn choose<'a>(
         let images = adjusted(images)?;
         if let Accuracy::Size(_) = aim.accuracy {
             // The side at which so many bytes buy the best psnr.
-            let found = search(&images, how, aim, None);
-            let Ok(found) = found else { break };
+            let Ok(found) = coded(&images) else { break };
             match &best {
                 Some((_, other)) if !aim.prefers(&found, other)? => break,
                 _ => best = Some((images, found)),

@@ -57,7 +57,7 @@ impl Aim<'_> {
             None => self.judge.measure(&decoded, self.task)?,
         };
         let bound = self.judge.bound(&decoded, measured.hausdorff, self.task)?;
-        Ok(found.coded.file(Some(measured.psnr), Some(bound), self.history))
+        Ok(found.coded.file(Some(&measured), Some(bound), self.history))
     }
 }
 
@@ -81,7 +81,7 @@ enum Verdict {
 }
 
 /// Codes images as the aim asks for; a psnr is met nearly, until it is [finished](finish). `start` is a step that may be near.
-pub(crate) fn search(images: &[GeometryImage], how: How, aim: &Aim<'_>, start: Option<f64>) -> Result<Found> {
+pub(crate) fn search(images: &[GeometryImage], how: How<'_>, aim: &Aim<'_>, start: Option<f64>) -> Result<Found> {
     let Aim { accuracy, judge, history, task } = *aim;
     let diagonal = judge.diagonal();
     let longest = longest_side(images);
@@ -141,7 +141,7 @@ pub(crate) fn search(images: &[GeometryImage], how: How, aim: &Aim<'_>, start: O
 }
 
 /// What a search found, as near to the target as it can be, and not below.
-pub(crate) fn finish(images: &[GeometryImage], how: How, aim: &Aim<'_>, found: Found) -> Result<Found> {
+pub(crate) fn finish(images: &[GeometryImage], how: How<'_>, aim: &Aim<'_>, found: Found) -> Result<Found> {
     match aim.accuracy {
         Accuracy::Psnr(target) => psnr::finish(images, how, aim, target, found),
         _ => Ok(found),

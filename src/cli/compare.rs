@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use gimc::Format;
-use gimc::eval::{self, CompareOptions, Comparison, Verdict};
+use gimc::eval::{self, CompareOptions, Comparison, Json, RegionComparison, Verdict};
 
 use super::failure::Failure;
 use super::table::{Table, number, thousands};
@@ -30,6 +30,9 @@ pub(super) struct Compare {
     /// Write the original with the distance of each vertex as a colour and as a scalar.
     #[arg(long, value_name = "OUT.ply")]
     heatmap: Option<PathBuf>,
+    /// Also measure from a region of the original: a file as for `encode --roi`, but no picture, or auto.
+    #[arg(long, value_name = "FILE|auto")]
+    roi: Option<String>,
     #[command(flatten)]
     common: Common,
 }
@@ -56,7 +59,16 @@ impl Compare {
                 self.common.run("painting", |task| eval::heatmap(&a, &b, &task)).map_err(|e| Failure::in_file(&file, e))?;
             output::write(heatmap, |out| painted.write(format, out))?;
         }
-        output::print(&if self.common.json { format!("{}\n", measured.to_json()) } else { text(&measured) })?;
+        let roi = super::roi::place(self.roi.as_deref())?;
+        let of_region = roi.map(|roi| self.common.run("comparing", |task| eval::compare_region(&a, &b, &roi, &task)));
+        let of_region = of_region.transpose().map_err(|e| Failure::in_file(&file, e))?;
+        output::print(&if self.common.json {
+            let mut json = measured.to_json();
+            json.extend(of_region.iter().flat_map(region_json));
+            format!("{json}\n")
+        } else {
+            text(&measured, of_region.as_ref())
+        })?;
         if self.same_connectivity && measured.same_connectivity != Verdict::Same {
             let text = match measured.same_connectivity {
                 Verdict::Different => format!("{file}: the connectivity differs from that of {}", self.a.display()),
@@ -68,7 +80,17 @@ impl Compare {
     }
 }
 
-fn text(m: &Comparison) -> String {
+fn region_json(found: &RegionComparison) -> Vec<(&'static str, Json)> {
+    vec![
+        ("rms_roi", found.rms.into()),
+        ("hausdorff_roi", found.hausdorff.into()),
+        ("psnr_roi", found.psnr.into()),
+        ("area_roi", found.share.into()),
+        ("samples_roi", found.samples.into()),
+    ]
+}
+
+fn text(m: &Comparison, region: Option<&RegionComparison>) -> String {
     let mut table = Table::default();
     let share = |x: f64| format!("{}  ({} of the diagonal)", number(x), number(x / m.diag));
     table.row("rms", share(m.rms));
@@ -83,6 +105,12 @@ fn text(m: &Comparison) -> String {
     }
     if let Some(angle) = m.normal_rms {
         table.row("normal_rms", format!("{} degrees", number(angle)));
+    }
+    if let Some(region) = region {
+        table.row("region", format!("{:.1} % of the area of the first", 100.0 * region.share));
+        table.row("  rms", share(region.rms));
+        table.row("  hausdorff", share(region.hausdorff));
+        table.row("  psnr", format!("{:.3} dB", region.psnr));
     }
     let same = match m.same_connectivity {
         Verdict::Same => "yes",

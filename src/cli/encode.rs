@@ -50,6 +50,8 @@ pub(super) struct Encode {
     size: Option<u64>,
     #[command(flatten)]
     gim: super::gim::GimFlags,
+    #[command(flatten)]
+    roi: super::roi::RoiFlags,
     /// Trials for a small image of vertices [default: 1].
     #[arg(long, value_name = "N", help_heading = "Images of vertices", value_parser = clap::value_parser!(u32).range(1..))]
     search: Option<u32>,
@@ -275,7 +277,8 @@ impl Encode {
         self.check()?;
         let start = Instant::now();
         let file = input::name(&self.mesh);
-        let options = self.options();
+        let mut options = self.options();
+        options.roi = self.roi.region()?;
         let (encoded, vertices) = if self.is_picture() {
             let lattice = self.lattice.map(|(origin, step)| gimc::Lattice { origin, step });
             let image = self.gim.picture(&self.mesh, lattice)?;
@@ -307,9 +310,12 @@ impl Encode {
                 thousands(info.vertices),
                 thousands(info.faces),
                 thousands(encoded.bytes.len() as u64),
-                match info.psnr {
-                    Some(psnr) => format!("{}, {psnr:.2} dB", number(info.bound)),
-                    None => number(info.bound),
+                match (info.psnr, info.roi.as_ref().and_then(|roi| roi.psnr)) {
+                    (Some(psnr), Some(inside)) => {
+                        format!("{}, {psnr:.2} dB, {inside:.2} dB in the region of interest", number(info.bound))
+                    }
+                    (Some(psnr), None) => format!("{}, {psnr:.2} dB", number(info.bound)),
+                    (None, _) => number(info.bound),
                 },
             ));
         }

@@ -12,8 +12,9 @@ use super::input;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Geometry images")]
 pub(super) struct GimFlags {
-    /// Samples a side: a number, best of the form 2^k + 1 or 3 · 2^k + 1, or auto [default: auto, as many as the target needs].
-    #[arg(long, value_name = "N", value_parser = grid)]
+    /// Samples a side: a number, best of the form 2^k + 1 or 3 · 2^k + 1; columns and rows, such as 129x97; or auto [default: auto, as
+    /// many as the target needs].
+    #[arg(long, value_name = "N|WxH", value_parser = grid)]
     grid: Option<Grid>,
     /// The papers' own choices, a fast good one, or the smallest file [default]; the next four flags change parts of it.
     #[arg(long, value_enum)]
@@ -101,13 +102,15 @@ enum GluingName {
     Orbifold,
 }
 
-/// `auto` or a number.
+/// `auto`, a number, or two with an x between.
 fn grid(text: &str) -> Result<Grid, String> {
-    match text.parse() {
-        _ if text == "auto" => Ok(Grid::Auto),
-        Ok(side) if (3..=8193).contains(&side) => Ok(Grid::Side(side)),
-        _ => Err("auto, or a whole number of samples from 3 to 8193 is expected".into()),
-    }
+    let side = |text: &str| text.parse().ok().filter(|side| (3..=8193).contains(side));
+    let grid = match text.split_once(['x', 'X']) {
+        _ if text == "auto" => Some(Grid::Auto),
+        Some((columns, rows)) => side(columns).zip(side(rows)).map(|(columns, rows)| Grid::Size(columns, rows)),
+        None => side(text).map(Grid::Side),
+    };
+    grid.ok_or_else(|| "auto, a whole number of samples from 3 to 8193, or two such as 129x97 are expected".into())
 }
 
 impl GimFlags {

@@ -62,6 +62,7 @@ fn json(info: &gimc::Info, bytes: usize, bpv: f64) -> String {
         ("connectivity_exact", info.connectivity_exact.into()),
         ("layers", info.layers.map_or(Json::Null, |n| u32::from(n).into())),
         ("normal_bits", u32::from(info.normal_bits).into()),
+        ("roi", info.roi.as_ref().map_or(Json::Null, roi)),
         ("stages", Json::list(info.stages.iter().map(|&bits| u32::from(bits)))),
         ("stages_present", info.stages_present.into()),
         ("precision", precision(info).into()),
@@ -75,6 +76,15 @@ fn json(info: &gimc::Info, bytes: usize, bpv: f64) -> String {
         ("work", info.work.into()),
     ]);
     format!("{json}\n")
+}
+
+fn roi(roi: &gimc::RoiInfo) -> Json {
+    Json::object([
+        ("bytes", roi.bytes.into()),
+        ("psnr", roi.psnr.map_or(Json::Null, Json::from)),
+        ("coarser", u32::from(roi.coarser).into()),
+        ("bits", roi.bits.map_or(Json::Null, Json::from)),
+    ])
 }
 
 fn attribute(attribute: &gimc::AttributeInfo) -> Json {
@@ -137,6 +147,14 @@ fn text(info: &gimc::Info, file: &str, bytes: usize, bpv: f64) -> String {
         let seams = if info.seams > 0 { format!(", {} seams", info.seams) } else { String::new() };
         let holes = if info.has_holes { ", with holes" } else { "" };
         table.row("border", format!("{}{seams}{holes}{levels}", gluing_name(gluing)));
+    }
+    if let Some(roi) = &info.roi {
+        let psnr = roi.psnr.map_or(String::new(), |psnr| format!("{psnr:.2} dB"));
+        let coarser =
+            if roi.coarser > 0 { format!("steps {} times as large elsewhere", 1_u32 << roi.coarser) } else { String::new() };
+        let bits = roi.bits.map_or(String::new(), |bits| format!("{bits} bits inside"));
+        let said: Vec<String> = [psnr, coarser, bits].into_iter().filter(|s| !s.is_empty()).collect();
+        table.row("region of interest", said.join(", "));
     }
     if let Some(history) = &info.history {
         table.row("history", history);

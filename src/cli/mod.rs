@@ -16,6 +16,7 @@ mod inspect;
 mod output;
 mod progress;
 mod resize;
+mod roi;
 mod table;
 mod verify;
 mod view;

@@ -53,6 +53,8 @@ enum What {
     Index,
     /// Of a geometry image, how much the surface changes from sample to sample: what `resize` keeps.
     Saliency,
+    /// Of a geometry image, its normals, black away from the region of interest; such a picture is a region for `encode --roi`.
+    Roi,
     /// Of a geometry image, its grid as `resize` warps it to the size of --to.
     Warp,
     /// A shaded view of the mesh.
@@ -118,7 +120,14 @@ impl View {
                     return shaded(&decoder.decode_with(task)?);
                 }
                 if decoder.info().method == "gim" {
-                    let image = chosen(decoder.geometry_images_with(task)?, self.chart)?;
+                    if self.what == What::Roi {
+                        let regions = decoder.roi_samples()?;
+                        let images = decoder.level(0).geometry_images_with(task)?;
+                        let (image, inside) =
+                            chosen(images.into_iter().zip(regions).collect(), self.chart, |(image, _)| image)?;
+                        return grid::roi_png(&image, &inside);
+                    }
+                    let image = chosen(decoder.geometry_images_with(task)?, self.chart, |image| image)?;
                     return match self.what {
                         What::Normals => grid::normals_png(&image),
                         What::Saliency => resize::saliency_png(&image, &ResizeOptions::default()),
@@ -133,7 +142,7 @@ impl View {
                         _ => grid::points_png(&image),
                     };
                 }
-                if matches!(self.what, What::Saliency | What::Warp) {
+                if matches!(self.what, What::Saliency | What::Warp | What::Roi) {
                     // Says that there is none.
                     decoder.geometry_image_with(task)?;
                 }
@@ -152,9 +161,9 @@ impl View {
 }
 
 /// The image of a number, or the largest.
-fn chosen(mut images: Vec<GeometryImage>, number: Option<usize>) -> gimc::Result<GeometryImage> {
+fn chosen<T>(mut images: Vec<T>, number: Option<usize>, image: impl Fn(&T) -> &GeometryImage) -> gimc::Result<T> {
     let count = images.len();
-    let largest = (0..count).rev().max_by_key(|&i| images[i].points().len());
+    let largest = (0..count).rev().max_by_key(|&i| image(&images[i]).points().len());
     match number.map_or(largest, |n| n.checked_sub(1)).filter(|&i| i < count) {
         Some(i) => Ok(images.swap_remove(i)),
         None => Err(gimc::Error::Parameter(format!("the file holds {count} geometry images; --chart counts from 1"))),

@@ -1,12 +1,12 @@
 //! Files of the method `gim`: their geometry image, at any of its levels.
 
-use super::{ChunkInfo, Content, Decoder, Info};
+use super::{ChunkInfo, Content, Decoder, Info, RoiInfo};
 use crate::charts;
 use crate::error::{Error, Place, Result};
 use crate::format::{Chunks, ImageBody, ImageChunk};
 use crate::limits::{Budget, Limits};
 use crate::mesh::Scalar;
-use crate::plane::GeometryImage;
+use crate::plane::{GeometryImage, RegionCells};
 use crate::surface::Effort;
 use crate::task::Task;
 
@@ -63,6 +63,30 @@ impl<'a> Decoder<'a> {
         budget.check_vertices(vertices)?;
         chunks.iter().map(|chunk| charts::read(chunk, self.level, &mut budget, task)).collect()
     }
+
+    /// The region of interest of each geometry image of a file that has one: whether each sample, row by row, lies in one of its
+    /// cells.
+    ///
+    /// # Errors
+    /// As [`Decoder::geometry_images_with`], and files without a region.
+    pub fn roi_samples(&self) -> Result<Vec<Vec<bool>>> {
+        let regions = match &self.content {
+            Content::Images(chunks) => {
+                let mut budget = Budget::new(self.limits);
+                chunks.iter().map(|chunk| charts::region(chunk, &mut budget)).collect::<Result<Vec<_>>>()?
+            }
+            _ => Vec::new(),
+        };
+        let regions: Option<Vec<_>> = regions.into_iter().collect();
+        let regions = regions.filter(|some| !some.is_empty());
+        let regions =
+            regions.ok_or_else(|| Error::Parameter("the file has no geometry image with a region of interest".into()))?;
+        let samples = |cells: &RegionCells| {
+            let shape = cells.image();
+            (0..shape.pixels()).map(|at| cells.has(at / shape.width(), at % shape.width())).collect()
+        };
+        Ok(regions.iter().map(samples).collect())
+    }
 }
 
 impl Info {
@@ -87,6 +111,12 @@ impl Info {
         if images.iter().any(|image| image.double != chunk.double) {
             return Err(Error::malformed(Place::Whole, "images of different number types"));
         }
+        let roi = chunk.region.map(|region| RoiInfo {
+            bytes: images.iter().filter_map(|image| image.region).map(|region| region.bytes.len() as u64).sum(),
+            psnr: (region.psnr > 0).then(|| f64::from(region.psnr) / 100.0),
+            coarser: region.coarser,
+            bits: None,
+        });
         if images[1..].iter().any(|image| image.psnr.is_some() || image.bound.is_some()) {
             return Err(Error::malformed(Place::Whole, "a psnr or a bound of an image that is not the first"));
         }
@@ -95,6 +125,9 @@ impl Info {
             ImageBody::Planes { depth, lattice, .. } => (lattice.step, lattice.origin, Some(depth.into())),
         };
         let largest = images.iter().max_by_key(|image| u64::from(image.rows) * u64::from(image.columns)).unwrap_or(chunk);
+        let of_roi = roi.as_ref().map(|roi| ("roi", roi.bytes));
+        let header = bytes.len() as u64 - positions - of_roi.map_or(0, |(_, bytes)| bytes);
+        let parts = [("header", header), ("positions", positions)].into_iter().chain(of_roi).collect();
         let history = chunks.iter().find(|chunk| chunk.tag == ImageChunk::HISTORY);
         let info =
             |chunk: &crate::format::Chunk<'_>| ChunkInfo { tag: chunk.tag.escape_ascii().to_string(), bytes: chunk.size };
@@ -119,7 +152,7 @@ impl Info {
             manifold: true,
             attributes: Vec::new(),
             chunks: chunks.iter().map(info).collect(),
-            parts: vec![("header", bytes.len() as u64 - positions), ("positions", positions)],
+            parts,
             image: Some([largest.rows, largest.columns]),
             seams: images.iter().filter_map(|image| image.seams.as_ref()).map(|seams| seams.sides().len() / 2).sum(),
             has_holes: images.iter().any(|image| image.holes.is_some()),
@@ -130,6 +163,7 @@ impl Info {
             connectivity_exact: false,
             layers: None,
             normal_bits: 0,
+            roi,
             memory,
             work,
         })

@@ -77,10 +77,26 @@ pub struct Info {
     pub layers: Option<u8>,
     /// Bits of each of the two planes of normals; 0 if there are none.
     pub normal_bits: u8,
+    /// The region of interest, if the file has one.
+    pub roi: Option<RoiInfo>,
     /// Bytes of memory that decoding takes at most.
     pub memory: u64,
     /// Steps of work that decoding takes, as far as the header tells.
     pub work: u64,
+}
+
+/// What a file says of its region of interest.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct RoiInfo {
+    /// Bytes that say where it is, and of what it has more than the rest.
+    pub bytes: u64,
+    /// The psnr of the region, in dB: from its points to the decoded surface.
+    pub psnr: Option<f64>,
+    /// Geometry images: away from it quantiser steps are 2 to this times as large.
+    pub coarser: u8,
+    /// Exact connectivity: bits of the lattice inside.
+    pub bits: Option<u32>,
 }
 
 /// A chunk of a file.
@@ -115,6 +131,7 @@ impl Info {
         };
         let (vertices, faces) = beside.surface_size(header);
         let mut triangles = u64::from(faces);
+        let mut roi = None;
         let (codec, effort, connectivity, positions, mut cost) = match body {
             Body::Surface { chunk, stages } => {
                 let effort = match chunk.effort {
@@ -126,8 +143,13 @@ impl Info {
                 let connectivity = chunk.connectivity.len() as u64;
                 let census = census(vertices, chunk);
                 triangles = census.closed_faces();
-                let later: usize = stages.iter().map(|stage| stage.clone().rest().len()).sum();
-                let cost = surface::cost(census, effort, stages.len() as u64 + 1);
+                let mut later: usize = stages.iter().map(|stage| stage.clone().rest().len()).sum();
+                let cost = surface::cost(census, effort, stages.len() as u64 + 1, chunk.has_region);
+                if chunk.has_region {
+                    let bits = bits.filter(|_| !stages.is_empty());
+                    roi = Some(RoiInfo { bytes: later as u64, psnr: None, coarser: 0, bits });
+                    later = 0;
+                }
                 ("surface", effort, connectivity, chunk.positions_size() + later as u64, cost)
             }
             Body::Mbcim { chunk, stages } => {
@@ -163,6 +185,7 @@ impl Info {
             _ => recipe.map(|chunk| [chunk.rows, chunk.columns]),
         };
         let mut parts = vec![("header", 0), ("connectivity", connectivity), ("positions", positions)];
+        parts.extend(roi.as_ref().map(|roi: &RoiInfo| ("roi", roi.bytes)));
         parts.extend(beside.sizes());
         parts[0].1 = bytes.len() as u64 - parts.iter().map(|part| part.1).sum::<u64>();
         let (memory, work) = beside.cost(header, triangles);
@@ -202,6 +225,7 @@ impl Info {
             connectivity_exact,
             layers,
             normal_bits,
+            roi,
             memory: cost.0,
             work: cost.1,
         })

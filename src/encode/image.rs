@@ -1,9 +1,10 @@
 //! Geometry images: the method `gim`.
 
 use super::Encoded;
-use crate::charts;
+use crate::charts::{self, Interesting};
 use crate::decode::Decoder;
 use crate::error::{Error, MeshDefect, Result};
+use crate::gim::{Atlas, Flattening};
 use crate::judge::Judge;
 use crate::mesh::{Mesh, Scalar};
 use crate::options::{EncodeOptions, Method};
@@ -16,10 +17,17 @@ impl EncodeOptions {
         if mesh.faces.is_empty() {
             return Err(MeshDefect::Empty.into());
         }
-        let judge = Judge::new(mesh)?;
-        let how = charts::How { codec: self.codec, precision: mesh.precision };
+        let mut judge = Judge::new(mesh)?;
+        let how = charts::How { codec: self.codec, precision: mesh.precision, regions: None };
+        let flattening = Flattening { param: self.gim.param, border: self.gim.border };
+        let atlas = Atlas::of_mesh(mesh, flattening, &task)?;
+        task.step(0.3)?;
+        let interesting = self.roi.as_ref().map(|roi| Interesting::of_mesh(mesh, &atlas, roi, task)).transpose()?;
+        if let Some(interesting) = &interesting {
+            judge.look_at(mesh, interesting.region());
+        }
         let aim = self.aim(&judge, task);
-        let found = charts::sample(mesh, how, &self.gim, &aim, task)?;
+        let found = charts::sample(&atlas, interesting.as_ref(), how, &self.gim, &aim, task)?;
         Self::encoded(aim.file(&found)?, notes(mesh))
     }
 
@@ -36,16 +44,27 @@ impl EncodeOptions {
         }
         task.step(0.0)?;
         let precision = original.map_or(Scalar::F32, |mesh| mesh.precision);
-        let judge = match original {
+        let own;
+        let surface = match original {
             Some(mesh) => {
                 mesh.check()?;
-                Judge::new(mesh)?
+                mesh
             }
-            None => Judge::new(&charts::mesh(&[image], Scalar::F64)?)?,
+            None => {
+                own = charts::mesh(&[image], Scalar::F64)?;
+                &own
+            }
         };
-        let how = charts::How { codec: self.codec, precision };
-        let aim = self.aim(&judge, task);
+        let mut judge = Judge::new(surface)?;
+        let how = charts::How { codec: self.codec, precision, regions: None };
         let images = std::slice::from_ref(image);
+        let interesting = self.roi.as_ref().map(|roi| Interesting::of_image(surface, image, roi)).transpose()?;
+        let cells = interesting.as_ref().map_or(Ok(Vec::new()), |some| some.cells(images))?;
+        let how = interesting.as_ref().map_or(how, |some| some.among(&cells, how));
+        if let Some(interesting) = &interesting {
+            judge.look_at(surface, interesting.region());
+        }
+        let aim = self.aim(&judge, task);
         let found = charts::search(images, how, &aim, None)?;
         let found = charts::finish(images, how, &aim, found)?;
         Self::encoded(aim.file(&found)?, original.map_or(Vec::new(), notes))

@@ -7,7 +7,7 @@ use crate::codec::{PlaneCodec, Raw};
 use crate::error::{Error, Result};
 use crate::format::{Extras, Header};
 use crate::images::{self, BorderChoice, Decoded, Draft, Goal, NormalPlanes, Target, Written};
-use crate::mesh::{Mesh, vertex_normals};
+use crate::mesh::{Mesh, Region, vertex_normals};
 use crate::options::{Accuracy, Boundaries, Codec, EncodeOptions, Quality};
 use crate::plane::{bounding_box, octahedral};
 use crate::task::Task;
@@ -48,7 +48,14 @@ impl EncodeOptions {
                     Quality::Psnr(psnr) => Goal::Psnr(psnr),
                 };
                 let psnr = |decoded: &Decoded| fidelity::psnr(source.mesh, &placed(header, decoded), &task);
-                images::write_lossy(&draft, choice, &Target { goal, layers: self.j2k.layers, psnr: &psnr }, task)?
+                let region = self.roi.as_ref().map(|roi| roi.place.on(source.mesh)).transpose()?;
+                let inside = |region: Region| {
+                    let of = |v: u32| source.front.vertex.get(v as usize).is_some_and(|&v| region.vertices()[v as usize]);
+                    draft.pixels(of)
+                };
+                let mask = region.map(inside).filter(|mask| mask.count() > 0);
+                let target = Target { goal, layers: self.j2k.layers, region: mask.as_ref(), psnr: &psnr };
+                images::write_lossy(&draft, choice, &target, task)?
             }
             _ => (plain(&Raw)?, false),
         };

@@ -17,6 +17,7 @@ pub(crate) struct ImageChunk<'a> {
     /// How an open border is glued further.
     pub(crate) seams: Option<Seams>,
     pub(crate) holes: Option<HolesField<'a>>,
+    pub(crate) region: Option<RegionField<'a>>,
     pub(crate) body: ImageBody,
     /// The psnr of the whole image against its original, in hundredths of a dB, rounded down.
     pub(crate) psnr: Option<u16>,
@@ -35,6 +36,43 @@ pub(crate) struct HolesField<'a> {
     pub(crate) squares: u32,
     /// The mask.
     pub(crate) bytes: &'a [u8],
+}
+
+/// A region of interest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct RegionField<'a> {
+    /// Steps of details away from it are 2 to this times as large.
+    pub(crate) coarser: u8,
+    /// The psnr of the region against its original, in hundredths of a dB, rounded down.
+    pub(crate) psnr: u16,
+    /// The mask of its cells.
+    pub(crate) bytes: &'a [u8],
+}
+
+impl<'a> RegionField<'a> {
+    /// The most that steps are coarser by, as a power of two.
+    pub(crate) const COARSEST: u8 = 8;
+
+    #[cfg(feature = "encode")]
+    fn write(&self, w: &mut Writer) {
+        w.u8(self.coarser);
+        w.bytes(&self.psnr.to_le_bytes());
+        w.varint(self.bytes.len() as u64);
+        w.bytes(self.bytes);
+    }
+
+    fn read(r: &mut Reader<'a>) -> Result<Self> {
+        let coarser = r.u8("the steps outside the region")?;
+        if coarser > Self::COARSEST {
+            return Err(
+                r.error(format!("steps 2^{coarser} times as large outside the region, at most 2^{} expected", Self::COARSEST))
+            );
+        }
+        let psnr = r.take(2, "the psnr of the region")?;
+        let psnr = u16::from_le_bytes([psnr[0], psnr[1]]);
+        let length = usize::try_from(r.varint("the bytes of the region")?).unwrap_or(usize::MAX);
+        Ok(Self { coarser, psnr, bytes: r.take(length, "the region")? })
+    }
 }
 
 /// What a codec needs beside its bytes.
@@ -129,6 +167,7 @@ const NOT_SQUARE: u8 = 1 << 3;
 const PSNR: u8 = 1 << 4;
 const BOUND: u8 = 1 << 5;
 const HOLES: u8 = 1 << 6;
+const REGION: u8 = 1 << 7;
 
 /// Numbers of 16 bits: the upper half of an `f32`.
 #[cfg(feature = "encode")]
@@ -203,7 +242,8 @@ impl<'a> ImageChunk<'a> {
             | flag(!square, NOT_SQUARE)
             | flag(self.psnr.is_some(), PSNR)
             | flag(self.bound.is_some(), BOUND)
-            | flag(self.holes.is_some(), HOLES));
+            | flag(self.holes.is_some(), HOLES)
+            | flag(self.region.is_some(), REGION));
         w.varint(self.columns.into());
         if !square {
             w.varint(self.rows.into());
@@ -216,6 +256,9 @@ impl<'a> ImageChunk<'a> {
             w.varint(holes.squares.into());
             w.varint(holes.bytes.len() as u64);
             w.bytes(holes.bytes);
+        }
+        if let Some(region) = &self.region {
+            region.write(&mut w);
         }
         let upper_half = |x: f32| ((x.to_bits() >> 16) as u16).to_le_bytes();
         match self.body {
@@ -269,9 +312,6 @@ impl<'a> ImageChunk<'a> {
             ORBIFOLD => Gluing::Orbifold,
             other => return Err(crate::Error::Unsupported { what: "gluing", id: other.to_string() }),
         };
-        if flags >= HOLES << 1 {
-            return Err(r.error(format!("flags of {flags:#04x}, below 0x80 expected")));
-        }
         let mut side = |what| {
             let n = r.varint(what)?;
             u32::try_from(n).map_err(|_| r.error(format!("{what} do not fit 32 bits: {n}")))
@@ -287,6 +327,7 @@ impl<'a> ImageChunk<'a> {
             fits.map_err(|why| r.error(why.to_string()))?;
         }
         let holes = if flags & HOLES == 0 { None } else { Some(HolesField::read(&mut r, [columns, rows])?) };
+        let region = if flags & REGION == 0 { None } else { Some(RegionField::read(&mut r)?) };
         let body = match codec {
             0 => {
                 let levels = r.u8("the levels")?;
@@ -324,7 +365,7 @@ impl<'a> ImageChunk<'a> {
             return Err(r.error(format!("a bound of {bound}")));
         }
         let double = flags & DOUBLE != 0;
-        let chunk = Self { gluing, double, columns, rows, seams, holes, body, psnr, bound, bytes: r.rest() };
+        let chunk = Self { gluing, double, columns, rows, seams, holes, region, body, psnr, bound, bytes: r.rest() };
         if chunk.vertices() > u64::from(u32::MAX) || chunk.faces() > u64::from(u32::MAX) {
             return Err(
                 r.error(format!("an image of {columns} x {rows} samples has more vertices or faces than 32 bits count"))
@@ -357,6 +398,7 @@ mod tests {
             rows,
             seams: None,
             holes: None,
+            region: None,
             body,
             psnr,
             bound,
@@ -364,6 +406,7 @@ mod tests {
         };
         let sides = [2, 3, 0, 1].map(|mate| BorderSide { length: 8, mate });
         let seams = Seams::new(8, 3, sides.to_vec()).unwrap();
+        let region = RegionField { coarser: 2, psnr: 7023, bytes: b"region" };
         let holes = HolesField { vertices: 900, squares: 700, bytes: b"holes" };
         vec![
             chunk(Gluing::Orbifold, 257, 257, wavelet, Some(7012), Some(short(0.3, true))),
@@ -374,6 +417,12 @@ mod tests {
             ImageChunk { seams: Some(seams.clone()), ..chunk(Gluing::Open, 33, 33, wavelet, None, None) },
             ImageChunk { seams: Some(seams), holes: Some(holes), ..chunk(Gluing::Open, 33, 33, wavelet, None, Some(1.0)) },
             ImageChunk { holes: Some(holes), ..chunk(Gluing::Orbifold, 33, 35, wavelet, None, None) },
+            ImageChunk { region: Some(region), ..chunk(Gluing::Orbifold, 33, 33, wavelet, Some(6011), None) },
+            ImageChunk {
+                region: Some(region),
+                holes: Some(holes),
+                ..chunk(Gluing::Open, 33, 33, planes(PlanesBy::J2k), None, None)
+            },
         ]
     }
 

@@ -25,7 +25,7 @@ pub(crate) use chunk::{Chunk, Chunks, VERSION};
 pub(crate) use fixes::FixesChunk;
 #[cfg(feature = "encode")]
 pub(crate) use geometry_image::{CoarseBox, short};
-pub(crate) use geometry_image::{HolesField, ImageBody, ImageChunk, PlanesBy};
+pub(crate) use geometry_image::{HolesField, ImageBody, ImageChunk, PlanesBy, RegionField};
 pub(crate) use header::{Extras, Header, LatticeForm, MAX_BITS, MAX_EXTENT};
 pub(crate) use labels::LabelsChunk;
 pub(crate) use mbcim::MbcimChunk;

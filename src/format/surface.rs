@@ -15,6 +15,8 @@ pub(crate) struct SurfaceChunk<'a> {
     pub(crate) effort: u8,
     /// Bits that each stage after the first adds to every coordinate.
     pub(crate) stages: Vec<u8>,
+    /// Whether the one stage is for a region of interest only.
+    pub(crate) has_region: bool,
     pub(crate) holes: u32,
     pub(crate) components: u32,
     pub(crate) handles: u32,
@@ -28,17 +30,21 @@ impl<'a> SurfaceChunk<'a> {
 
     /// Said with the effort where there are stages.
     const STAGED: u8 = 4;
+    /// Said beside it where the one stage is for some vertices only.
+    const REGION: u8 = 8;
 
     #[cfg(feature = "encode")]
     pub(crate) fn write(
         effort: u8,
         stages: &[u8],
+        has_region: bool,
         [holes, components, handles]: [u32; 3],
         connectivity: &[u8],
         positions: &[Vec<u8>],
     ) -> Vec<u8> {
         let mut w = Writer::default();
-        w.u8(effort | if stages.is_empty() { 0 } else { Self::STAGED });
+        let flag = |set: bool, flag: u8| if set { flag } else { 0 };
+        w.u8(effort | flag(!stages.is_empty(), Self::STAGED) | flag(has_region, Self::REGION));
         if !stages.is_empty() {
             write_stages(&mut w, stages);
         }
@@ -54,6 +60,10 @@ impl<'a> SurfaceChunk<'a> {
     pub(crate) fn read(mut r: Reader<'a>) -> Result<Self> {
         let effort = r.u8("the effort")?;
         let stages = if effort & Self::STAGED != 0 { read_stages(&mut r)? } else { Vec::new() };
+        let has_region = effort & Self::REGION != 0;
+        if has_region && stages.len() != 1 {
+            return Err(r.error(format!("a region of interest in {} later stages, one expected", stages.len())));
+        }
         let mut count = |what| {
             let n = r.varint(what)?;
             u32::try_from(n).map_err(|_| r.error(format!("{what} do not fit 32 bits: {n}")))
@@ -61,7 +71,8 @@ impl<'a> SurfaceChunk<'a> {
         let (holes, components, handles) = (count("the holes")?, count("the components")?, count("the handles")?);
         let length = r.varint("the length of the connectivity")?;
         let connectivity = r.take(usize::try_from(length).unwrap_or(usize::MAX), "the connectivity")?;
-        Ok(Self { effort: effort & !Self::STAGED, stages, holes, components, handles, connectivity, positions: r })
+        let effort = effort & !(Self::STAGED | Self::REGION);
+        Ok(Self { effort, stages, has_region, holes, components, handles, connectivity, positions: r })
     }
 
     /// The bytes of the position streams of the first stage, with their lengths.

@@ -15,7 +15,7 @@ use super::spread::spread;
 use crate::error::Result;
 use crate::geom::{Aabb, Bvh, Triangle, distance2};
 use crate::par;
-use crate::plane::GeometryImage;
+use crate::plane::{GeometryImage, Mask};
 use crate::task::Task;
 
 /// A point of the original looks for its distance this many squares around its own.
@@ -69,6 +69,8 @@ struct Squares<'a> {
     forced: Vec<Option<bool>>,
     /// Whether each square is no part of the surface.
     hole: Vec<bool>,
+    /// Whether each square's distance to the original does not count.
+    outside: Vec<bool>,
     points: Vec<DVec3>,
     /// Sorted by square; those of square `s` are `starts[s] .. starts[s + 1]`.
     probes: Vec<Probe>,
@@ -125,9 +127,18 @@ struct Move {
     squares: Vec<(usize, f64)>,
 }
 
-/// The image with its samples moved, in the frame of the target; `edges` are further points of the original that count.
-pub(super) fn adjust(target: &Target, solids: &[Triangle], image: &GeometryImage, task: &Task<'_>) -> Result<GeometryImage> {
+/// The image with its samples moved, in the frame of the target; only what is near the samples `inside` counts, if they are given.
+pub(super) fn adjust(
+    target: &Target,
+    solids: &[Triangle],
+    image: &GeometryImage,
+    inside: Option<&Mask>,
+    task: &Task<'_>,
+) -> Result<GeometryImage> {
     let mut squares = Squares::new(target, solids, image, task)?;
+    if let Some(inside) = inside {
+        squares.look_only_at(inside);
+    }
     let count = squares.from_image.len();
     let mut dead = vec![false; count];
     let mut share = 0.8;
@@ -182,6 +193,7 @@ impl<'a> Squares<'a> {
             glued,
             forced,
             hole,
+            outside: vec![false; count],
             points,
             probes: Vec::new(),
             starts: vec![0; count + 1],
@@ -235,6 +247,26 @@ impl<'a> Squares<'a> {
         }
     }
 
+    /// Forgets all distances but those of squares that have a sample inside.
+    fn look_only_at(&mut self, inside: &Mask) {
+        let outside: Vec<bool> = (0..self.from_image.len())
+            .map(|s| {
+                let (row, column) = self.row_column(s);
+                ![(0, 0), (0, 1), (1, 0), (1, 1)].iter().any(|(i, j)| inside.contains(row + i, column + j))
+            })
+            .collect();
+        let (mut kept, mut starts) = (Vec::new(), vec![0]);
+        for (s, &outside) in outside.iter().enumerate() {
+            if outside {
+                (self.from_original[s], self.from_image[s]) = (0.0, 0.0);
+            } else {
+                kept.extend_from_slice(&self.probes[self.starts[s]..self.starts[s + 1]]);
+            }
+            starts.push(kept.len());
+        }
+        (self.probes, self.starts, self.outside) = (kept, starts, outside);
+    }
+
     fn row_column(&self, square: usize) -> (usize, usize) {
         (square / (self.width - 1), square % (self.width - 1))
     }
@@ -279,7 +311,7 @@ impl<'a> Squares<'a> {
     /// The greatest squared distance from a square's places to the original; may stop once it is `enough`.
     fn square_to_original(&self, square: usize, at: impl Fn(u32) -> DVec3, enough: f64, hint: &mut u32) -> f64 {
         let mut worst = 0.0_f64;
-        if self.hole[square] {
+        if self.hole[square] || self.outside[square] {
             return worst;
         }
         for (t, _) in self.triangles(square, &at) {
@@ -463,10 +495,10 @@ mod tests {
         let target = Target::new(&triangles);
         let task = Task::default();
         let before = Squares::new(&target, &triangles, &image, &task).unwrap().worst();
-        let adjusted = adjust(&target, &triangles, &image, &task).unwrap();
+        let adjusted = adjust(&target, &triangles, &image, None, &task).unwrap();
         let after = Squares::new(&target, &triangles, &adjusted, &task).unwrap().worst();
         assert!(after < 0.9 * before, "{before} to {after}");
-        let again = adjust(&target, &triangles, &adjusted, &task).unwrap();
+        let again = adjust(&target, &triangles, &adjusted, None, &task).unwrap();
         assert!(Squares::new(&target, &triangles, &again, &task).unwrap().worst() <= after);
     }
 }

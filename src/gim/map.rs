@@ -4,12 +4,12 @@ use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
 
-use super::Adjust;
 use super::adjust::adjust;
 use super::fit::{Damping, Target};
+use super::interest;
 use super::rim::Rim;
-use super::sampling::Sampling;
 use super::spread::Sample;
+use super::{Adjust, Sampler};
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Bvh};
 use crate::mesh::HalfEdges;
@@ -94,40 +94,39 @@ impl Map {
         self.area
     }
 
-    /// An image of `side` samples a side.
-    pub(crate) fn sample(&self, side: usize, sampling: Sampling, task: &Task<'_>) -> Result<GeometryImage> {
-        if side < 2 {
-            return Err(Error::Parameter(format!("{side} samples a side; at least 2 are needed")));
+    /// An image of so many samples.
+    pub(crate) fn sample(&self, shape: Shape, sampler: Sampler<'_>, task: &Task<'_>) -> Result<GeometryImage> {
+        let (width, height) = (shape.width(), shape.height());
+        if width < 2 || height < 2 {
+            return Err(Error::Parameter(format!("{shape} samples; at least 2 a side are needed")));
         }
-        if !(side - 1).is_multiple_of(self.grains()) {
-            let grains = self.grains();
-            let next = (side - 1).div_ceil(grains) * grains + 1;
+        let grains = self.grains();
+        if grains > 1 && (width != height || !(width - 1).is_multiple_of(grains)) {
+            let next = (width - 1).div_ceil(grains) * grains + 1;
             return Err(Error::Parameter(format!(
-                "{side} samples a side; the seams of this surface need one more than a multiple of {grains}, such as {next}"
+                "{shape} samples; the seams of this surface need a square of one more than a multiple of {grains} a side, \
+                 such as {next}"
             )));
         }
-        let squares = Shape::new(side as u32 - 1, side as u32 - 1)?;
-        let mut points = sampling.points(side, self.gluing(), || self.chart.flat_vertices());
+        let mut points = sampler.sampling.points(shape, self.gluing(), || self.chart.flat_vertices());
+        // Seams lie where they are: samples of both sides must meet.
+        if let Some(focus) = sampler.focus.filter(|_| self.chart.seams.is_none()) {
+            let inside = interest::mask(shape, &self.at_all(&points, shape, task)?, &|p| focus.interest.has(p));
+            focus.closer.draw(&mut points, &inside, self.gluing(), || self.chart.flat_vertices());
+        }
+        let squares = Shape::new(width as u32 - 1, height as u32 - 1)?;
         let mut holes = None;
         if let Some(rim) = &self.rim {
             let holes = holes.insert(self.holes(&points, squares)?);
-            rim.draw(&mut points, holes, side);
+            rim.draw(&mut points, holes);
         }
-        let rows = par::map(side, |row| {
-            let mut hint = 0;
-            if task.is_over() {
-                return Vec::new();
-            }
-            points[row * side..(row + 1) * side].iter().map(|&u| self.at(u, &mut hint)).collect::<Vec<_>>()
-        });
-        task.step(1.0)?;
-        let mut image = GeometryImage::new(side, side, self.gluing(), rows.into_iter().flatten().collect())?;
+        let mut image = GeometryImage::new(width, height, self.gluing(), self.at_all(&points, shape, task)?)?;
         if let Some(seams) = &self.chart.seams {
             image = image.with_seams(seams.clone())?;
         }
         match holes {
             Some(holes) if holes.count() == squares.pixels() => {
-                Err(Error::Parameter(format!("{side} samples a side are too few to see the surface between its holes")))
+                Err(Error::Parameter(format!("{shape} samples are too few to see the surface between its holes")))
             }
             Some(holes) => image.with_holes(holes),
             None => Ok(image),
@@ -156,6 +155,20 @@ impl Map {
         Some((hit.slot, self.origin[self.cover.id(hit.slot) as usize] as usize))
     }
 
+    /// The surface's points at points of the square, row by row.
+    fn at_all(&self, points: &[DVec2], shape: Shape, task: &Task<'_>) -> Result<Vec<[f64; 3]>> {
+        let width = shape.width();
+        let rows = par::map(shape.height(), |row| {
+            let mut hint = 0;
+            if task.is_over() {
+                return Vec::new();
+            }
+            points[row * width..(row + 1) * width].iter().map(|&u| self.at(u, &mut hint)).collect::<Vec<_>>()
+        });
+        task.step(1.0)?;
+        Ok(rows.into_iter().flatten().collect())
+    }
+
     /// The surface's point at a point of the square.
     fn at(&self, u: DVec2, hint: &mut u32) -> [f64; 3] {
         let Some((slot, face)) = self.face(u, hint) else { return [0.0; 3] };
@@ -178,9 +191,10 @@ impl Map {
         let mut image = image;
         match how {
             Adjust::None => {}
-            Adjust::Hausdorff => {
+            Adjust::Hausdorff(focus) => {
                 let solids: Vec<_> = self.chart.solids().collect();
-                image = self.framed(&image, |inside| adjust(target, &solids, inside, task))?;
+                let inside = focus.map(|focus| focus.interest.samples(&image));
+                image = self.framed(&image, |framed| adjust(target, &solids, framed, inside.as_ref(), task))?;
             }
             Adjust::Fit => {
                 for _ in 0..FITS {

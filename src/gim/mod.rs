@@ -5,7 +5,9 @@
 
 mod adjust;
 mod fit;
+mod focus;
 mod gradient;
+mod interest;
 mod map;
 mod resample;
 mod rim;
@@ -15,6 +17,9 @@ mod spread;
 mod tests;
 mod zhou;
 
+pub use focus::Closer;
+pub(crate) use focus::Focus;
+pub(crate) use interest::{Interest, region_under};
 pub(crate) use map::Map;
 pub use resample::{Adjustment, Resample};
 pub use sampling::Sampling;
@@ -24,7 +29,7 @@ pub use crate::param::{Border, Param};
 
 use crate::error::{Error, MeshDefect, Result};
 use crate::mesh::{Front, HalfEdges, Mesh, Union};
-use crate::plane::GeometryImage;
+use crate::plane::{GeometryImage, Shape};
 use crate::task::Task;
 
 /// Keeps what a codec can write cheaply of an image and drops the rest: the byte wing's part of [`Adjust::Rate`].
@@ -45,8 +50,15 @@ pub(crate) enum Adjust<'a> {
         /// Turns.
         rounds: usize,
     },
-    /// Moved against the gradient of the Hausdorff distance (paper 000, Algorithms 1 to 3).
-    Hausdorff,
+    /// Moved against the gradient of the Hausdorff distance (paper 000, Algorithms 1 to 3): of all, or of a region of interest.
+    Hausdorff(Option<Focus<'a>>),
+}
+
+/// Where samples are taken, and what gets more of them.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Sampler<'a> {
+    pub(crate) sampling: Sampling,
+    pub(crate) focus: Option<Focus<'a>>,
 }
 
 /// Components of a surface at most: what falls into more pieces has no images worth the name.
@@ -125,15 +137,27 @@ impl Atlas {
     }
 
     /// The surface sampled: one image a chart, with `side` samples a side for the one of the largest area.
-    pub(crate) fn sample(&self, side: usize, sampling: Sampling, task: &Task<'_>) -> Result<Vec<GeometryImage>> {
+    pub(crate) fn sample(&self, side: usize, sampler: Sampler<'_>, task: &Task<'_>) -> Result<Vec<GeometryImage>> {
         let image = |(map, mut side): (&Map, usize)| loop {
-            match map.sample(side, sampling, task) {
+            match map.sample(Shape::new(side as u32, side as u32)?, sampler, task) {
                 // Small parts between holes may be seen only by more samples than their area is due.
                 Err(Error::Parameter(_)) if self.maps.len() > 1 && (3..MOST_FOR_HOLES).contains(&side) => side = 2 * side - 1,
                 other => return other,
             }
         };
         self.maps.iter().zip(self.sides(side)).map(image).collect()
+    }
+
+    /// The surface as one image of any shape.
+    pub(crate) fn sample_as(&self, shape: Shape, sampler: Sampler<'_>, task: &Task<'_>) -> Result<Vec<GeometryImage>> {
+        match &self.maps[..] {
+            [map] => Ok(vec![map.sample(shape, sampler, task)?]),
+            maps => Err(Error::Parameter(format!(
+                "{shape} samples for a surface of {} components: their grids are squares of different sizes, and one number says \
+                 how many samples a side the largest has",
+                maps.len()
+            ))),
+        }
     }
 
     /// Images of the charts with their samples moved.

@@ -1,6 +1,6 @@
 //! What users ask for: a mesh as geometry images, with every part of the papers selectable alone.
 
-use super::{Adjust, Atlas, Sampling};
+use super::{Adjust, Atlas, Sampler, Sampling};
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::param::{Border, Flattening, Param};
@@ -94,11 +94,12 @@ impl Resample {
         mesh.check()?;
         let adjust = match self.adjust {
             Adjustment::None => Adjust::None,
-            Adjustment::Hausdorff => Adjust::Hausdorff,
+            Adjustment::Hausdorff => Adjust::Hausdorff(None),
             Adjustment::Fit => Adjust::Fit,
         };
         let atlas = Atlas::of_mesh(mesh, self.how(), task)?;
-        atlas.adjust(atlas.sample(self.side, self.sampling, task)?, adjust, task)
+        let sampler = Sampler { sampling: self.sampling, focus: None };
+        atlas.adjust(atlas.sample(self.side, sampler, task)?, adjust, task)
     }
 
     /// How much each component is stretched by its parametrisation: 1 where it is only scaled.

@@ -28,19 +28,20 @@ impl Rim {
     }
 
     /// Moves the samples that have both a hole and surface around them to the nearest point of the rim.
-    pub(super) fn draw(&self, points: &mut [DVec2], holes: &Mask, side: usize) {
+    pub(super) fn draw(&self, points: &mut [DVec2], holes: &Mask) {
+        let (rows, columns) = (holes.shape().height(), holes.shape().width());
         let mut hint = 0;
         for (at, point) in points.iter_mut().enumerate() {
-            let (row, column) = (at / side, at % side);
-            let around = (row.saturating_sub(1)..=row.min(side - 2))
-                .flat_map(|r| (column.saturating_sub(1)..=column.min(side - 2)).map(move |c| (r, c)));
+            let (row, column) = (at / (columns + 1), at % (columns + 1));
+            let around = (row.saturating_sub(1)..=row.min(rows - 1))
+                .flat_map(|r| (column.saturating_sub(1)..=column.min(columns - 1)).map(move |c| (r, c)));
             let (mut all, mut any) = (true, false);
             for (r, c) in around {
                 all &= holes.contains(r, c);
                 any |= holes.contains(r, c);
             }
             // What lies on the border of the square stays there: it may be glued.
-            let on_border = row == 0 || column == 0 || row == side - 1 || column == side - 1;
+            let on_border = row == 0 || column == 0 || row == rows || column == columns;
             if all || !any || on_border {
                 continue;
             }

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::zhou;
-use crate::plane::Gluing;
+use crate::plane::{Gluing, Shape};
 
 /// How samples are spread over the square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -25,19 +25,20 @@ impl Sampling {
     /// Zhou et al. with the usual number of rounds.
     pub const ZHOU: Self = Self::Zhou { rounds: 5 };
 
-    /// `side` × `side` points of the square, row by row; rows rise with the first coordinate. `vertices` are those of the surface.
-    pub(super) fn points(self, side: usize, gluing: Gluing, vertices: impl Fn() -> Vec<DVec2>) -> Vec<DVec2> {
+    /// Points of the square, row by row; rows rise with the first coordinate. `vertices` are those of the surface.
+    pub(super) fn points(self, shape: Shape, gluing: Gluing, vertices: impl Fn() -> Vec<DVec2>) -> Vec<DVec2> {
+        let (rows, columns) = (shape.height(), shape.width());
         let cross = |rows: Vec<f64>, columns: Vec<f64>| -> Vec<DVec2> {
             rows.iter().flat_map(|&x| columns.iter().map(move |&y| DVec2::new(x, y))).collect()
         };
         match self {
-            Self::Regular => cross(regular(side), regular(side)),
+            Self::Regular => cross(regular(rows), regular(columns)),
             Self::Equalise => {
                 let vertices = vertices();
-                let lines = |of: fn(&DVec2) -> f64| equalise(vertices.iter().map(of).collect(), side, gluing);
-                cross(lines(|v| v.x), lines(|v| v.y))
+                let lines = |n: usize, of: fn(&DVec2) -> f64| equalise(vertices.iter().map(of).collect(), n, gluing);
+                cross(lines(rows, |v| v.x), lines(columns, |v| v.y))
             }
-            Self::Zhou { rounds } => zhou::draw(cross(regular(side), regular(side)), side, gluing, &vertices(), rounds),
+            Self::Zhou { rounds } => zhou::draw(cross(regular(rows), regular(columns)), shape, gluing, &vertices(), rounds),
         }
     }
 }

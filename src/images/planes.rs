@@ -20,7 +20,7 @@ use crate::limits::Budget;
 use crate::mesh::HalfEdges;
 use crate::plane::{MAX_DEPTH, Planes, Shape};
 #[cfg(feature = "encode")]
-use crate::plane::{Plane, SideInformation};
+use crate::plane::{Mask, Plane, SideInformation};
 use crate::task::Task;
 
 /// The most bits of a sample of a normal.
@@ -139,6 +139,15 @@ impl Draft {
             _ => Vec::new(),
         };
         Ok(Self { planes: Planes::new(planes)?, weights, choice, extent, walls, stream, as_words: words.is_some(), image })
+    }
+
+    /// The pixels of some vertices of the surface.
+    pub(crate) fn pixels(&self, is_wanted: impl Fn(u32) -> bool) -> Mask {
+        let (entries, columns) = (self.image.matrix.entries(), self.image.matrix.columns());
+        Mask::from_fn(self.planes.shape(), |row, column| {
+            let vertex = self.image.origin[entries[row * columns + column] as usize];
+            is_wanted(vertex)
+        })
     }
 
     /// Packs coded planes, and reads them as a decoder will.

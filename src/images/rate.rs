@@ -8,6 +8,7 @@ use super::planes::{BorderChoice, Draft, Written};
 use crate::codec::PlaneCodec;
 use crate::codec::j2k::{J2k, Quality, Settings, Transform};
 use crate::error::{Error, Result};
+use crate::plane::Mask;
 use crate::task::Task;
 
 /// What to reach.
@@ -24,6 +25,8 @@ pub(crate) enum Goal {
 pub(crate) struct Target<'a> {
     pub(crate) goal: Goal,
     pub(crate) layers: u8,
+    /// Pixels that come first.
+    pub(crate) region: Option<&'a Mask>,
     /// The psnr of a decoded mesh, in dB.
     pub(crate) psnr: &'a dyn Fn(&Decoded) -> Result<f64>,
 }
@@ -43,7 +46,15 @@ pub(crate) fn write_lossy(draft: &Draft, choice: BorderChoice, target: &Target<'
         weights.iter_mut().skip(3).for_each(|w| *w = NORMALS);
         let pixel_weights = Some(&draft.weights[..]);
         let codec = J2k {
-            settings: Settings { transform, quality, layers: target.layers, weights, pixel_weights, ..Settings::default() },
+            settings: Settings {
+                transform,
+                quality,
+                layers: target.layers,
+                weights,
+                pixel_weights,
+                region: target.region,
+                ..Settings::default()
+            },
         };
         let samples = codec.encode(&draft.planes, &task)?;
         draft.pack(&samples, &codec)

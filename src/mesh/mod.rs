@@ -12,6 +12,8 @@ pub(crate) mod io;
 mod normals;
 mod orient;
 mod polygon_mesh;
+#[cfg(feature = "encode")]
+mod region;
 mod repair;
 mod topology;
 mod union;
@@ -27,6 +29,8 @@ pub use io::{Format, Loaded};
 #[cfg(any(feature = "png", feature = "encode"))]
 pub(crate) use normals::vertex_normals;
 pub use polygon_mesh::{Faces, Mesh};
+#[cfg(feature = "encode")]
+pub(crate) use region::Region;
 pub use repair::{Repair, Repaired};
 pub use topology::{Inspection, Places};
 pub(crate) use union::Union;

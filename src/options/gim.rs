@@ -31,6 +31,8 @@ pub enum Grid {
     Auto,
     /// So many; odd for closed surfaces, and best of the form 2^k + 1 or 3 · 2^k + 1.
     Side(u32),
+    /// So many columns and rows; for surfaces of one component without handles.
+    Size(u32, u32),
 }
 
 /// Where the samples of a geometry image are moved.

@@ -11,6 +11,7 @@ mod normal;
 #[cfg(feature = "png")]
 mod png;
 mod quantise;
+mod region;
 mod seams;
 mod side;
 
@@ -21,9 +22,10 @@ pub(crate) use normal::{from_octahedral, octahedral};
 #[cfg(all(test, feature = "png"))]
 pub(crate) use png::read_rgb;
 #[cfg(feature = "png")]
-pub(crate) use png::{read_planes, write_png};
+pub(crate) use png::{read_mask, read_planes, write_png};
 pub use quantise::Lattice;
 pub(crate) use quantise::bounding_box;
+pub(crate) use region::RegionCells;
 pub(crate) use seams::{BorderSide, Seams};
 pub(crate) use side::{Block, RunCounts, Seam, SideInformation};
 

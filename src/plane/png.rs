@@ -42,7 +42,6 @@ pub(crate) fn write_png(planes: &Planes) -> Result<Vec<u8>> {
 }
 
 /// The pixels of a picture that are not black (and not transparent).
-#[allow(dead_code)] // regions of interest are read so
 pub(crate) fn read_mask(png: &[u8], budget: &mut Budget) -> Result<Mask> {
     let malformed = |e: image::ImageError| Error::malformed(Place::Whole, format!("not a PNG picture: {e}"));
     let mut decoder = PngDecoder::new(Cursor::new(png)).map_err(malformed)?;

@@ -15,12 +15,14 @@ mod order;
 mod original;
 mod plain;
 pub(crate) mod records;
+mod region;
 pub(crate) mod renumber;
 mod stretch;
 mod topology;
 mod valence;
 mod walk;
 
+pub(crate) use region::middle;
 #[cfg(feature = "encode")]
 pub(crate) use topology::Filled;
 pub(crate) use topology::{Census, Skin, Surface};
@@ -76,9 +78,15 @@ pub(crate) fn ranges(census: Census) -> Vec<std::ops::Range<u32>> {
 }
 
 /// Memory and steps that reading so many stages takes at most.
-pub(crate) fn cost(census: Census, effort: Effort, stages: u64) -> (u64, u64) {
+pub(crate) fn cost(census: Census, effort: Effort, stages: u64, has_region: bool) -> (u64, u64) {
     let vertices = u64::from(census.vertices) + u64::from(census.holes);
-    (walk::memory(census) + memory(census, effort), vertices * (6 + stages * learned::STEPS_A_VERTEX))
+    let region = if has_region { memory_of_region(census) } else { 0 };
+    (walk::memory(census) + memory(census, effort) + region, vertices * (6 + stages * learned::STEPS_A_VERTEX))
+}
+
+fn memory_of_region(census: Census) -> u64 {
+    let vertices = u64::from(census.vertices) + u64::from(census.holes);
+    vertices * region::BYTES_A_VERTEX + census.closed_faces() * region::BYTES_A_FACE
 }
 
 /// Memory that reading positions takes at most, all ranges at once.
@@ -100,6 +108,8 @@ pub(crate) struct Plan<'a> {
     pub(crate) effort: Effort,
     /// Bits that each stage after the first adds to every coordinate.
     pub(crate) stages: &'a [u8],
+    /// Whether the one stage after the first is for some vertices only; its first stream then says for which.
+    pub(crate) has_region: bool,
 }
 
 impl Plan<'_> {
@@ -113,13 +123,15 @@ impl Plan<'_> {
     }
 }
 
-/// Writes a surface, and the lattice positions of its vertices (`positions[v]` of vertex v of the mesh).
+/// Writes a surface, and the lattice positions of its vertices (`positions[v]` of vertex v of the mesh). `inside` says of each vertex
+/// whether the later stage is for it, if not for all.
 #[cfg(feature = "encode")]
 pub(crate) fn write(
     filled: &Filled,
     positions: &[[i32; 3]],
     extent: [i32; 3],
     plan: Plan<'_>,
+    inside: Option<&[bool]>,
     task: Task<'_>,
 ) -> Result<(Streams, Walked)> {
     let effort = plan.effort;
@@ -136,18 +148,28 @@ pub(crate) fn write(
         .iter()
         .map(|&hole| if hole { [0; 3] } else { met.next().map_or([0; 3], |&v| positions[v as usize]) })
         .collect();
-    let coder = Positions::new(&surface, effort);
+    let all = Positions::new(&surface, effort);
+    let region = inside.map(|inside| {
+        let mut met = order.iter();
+        let mut is_inside = |&hole: &bool| !hole && met.next().is_some_and(|&v| inside[v as usize]);
+        let mut marks: Vec<bool> = surface.is_hole.iter().map(&mut is_inside).collect();
+        let mut bits = BitWriter::default();
+        region::code(&mut bits, &surface, &mut marks);
+        (bits.finish(), surface.only(&marks))
+    });
+    let some = region.as_ref().map(|(_, surface)| Positions::new(surface, effort));
     let ranges = ranges(filled.census);
     let mut streams = Vec::new();
     let mut coarse = Vec::new();
     for (shift, rest) in plan.steps() {
+        let coder = some.as_ref().filter(|_| shift > 0).unwrap_or(&all);
         let finer: Vec<[i32; 3]> = local.iter().map(|p| p.map(|x| x >> rest)).collect();
         let parts = par::map(ranges.len(), |i| {
             let range = ranges[i].start as usize..ranges[i].end as usize;
             let mut finer = finer[range.clone()].to_vec();
             let mut stretch = coder.stretch(ranges[i].clone(), extent.map(|e| e >> rest));
             stretch.coarse = (shift > 0).then(|| Coarse { shift, positions: &coarse[range.clone()] });
-            let holes = &surface.is_hole[range];
+            let holes = &coder.surface.is_hole[range];
             let real = finer.iter().zip(holes).filter(|(_, hole)| !**hole).map(|(p, _)| *p);
             let choices = if effort == Effort::Fast { vec![[false; 3]] } else { learned::choices(stretch.extent, real) };
             let mut best: Option<Vec<u8>> = None;
@@ -161,7 +183,11 @@ pub(crate) fn write(
             }
             Ok(best.unwrap_or_default())
         });
-        streams.push(parts.into_iter().collect::<Result<_>>()?);
+        let mut parts = parts.into_iter().collect::<Result<Vec<_>>>()?;
+        if let Some((marks, _)) = region.as_ref().filter(|_| shift > 0) {
+            parts.insert(0, marks.clone());
+        }
+        streams.push(parts);
         coarse = finer;
     }
     Ok((Streams { connectivity, positions: streams }, Walked { surface, order, faces }))
@@ -187,19 +213,37 @@ pub(crate) fn read(coded: &Coded<'_>, budget: &mut Budget, task: Task<'_>) -> Re
     let surface = walk::walk(&mut BitReader::new(coded.connectivity), &mut Unknown, census, plan.effort, budget, task)?;
     let vertices = surface.is_hole.len();
     budget.reserve(memory(census, plan.effort))?;
-    let coder = Positions::new(&surface, plan.effort);
+    let all = Positions::new(&surface, plan.effort);
+    let only;
+    let mut some = None;
     let ranges = ranges(census);
     let mut known: Vec<[i32; 3]> = Vec::new();
     let mut missing = 0;
+    if let (true, Some(streams)) = (plan.has_region, coded.positions.get(1)) {
+        budget.reserve(memory_of_region(census))?;
+        let mut inside = vec![false; vertices];
+        region::code(&mut BitReader::new(streams.first().copied().unwrap_or_default()), &surface, &mut inside);
+        only = surface.only(&inside);
+        some = Some(Positions::new(&only, plan.effort));
+    }
     for (streams, (shift, rest)) in coded.positions.iter().zip(plan.steps()) {
         budget.spend(vertices as u64 * learned::STEPS_A_VERTEX)?;
+        let later = some.as_ref().filter(|_| shift > 0);
+        let coder = later.unwrap_or(&all);
+        let streams = if later.is_some() { &streams[1..] } else { &streams[..] };
         let parts = par::map(ranges.len(), |i| {
             let mut finer = vec![[0; 3]; ranges[i].len()];
             let range = ranges[i].start as usize..ranges[i].end as usize;
             let mut stretch = coder.stretch(ranges[i].clone(), extent.map(|e| e >> rest));
-            stretch.coarse = (shift > 0).then(|| Coarse { shift, positions: &known[range] });
+            stretch.coarse = (shift > 0).then(|| Coarse { shift, positions: &known[range.clone()] });
             let mut bits = BitReader::new(streams[i]);
             coder.code(&mut bits, stretch, &mut finer, task)?;
+            if later.is_some() {
+                let cells = finer.iter_mut().zip(&known[range.clone()]).zip(&coder.surface.is_hole[range]);
+                for ((position, cell), _) in cells.filter(|(_, outside)| **outside) {
+                    *position = [0, 1, 2].map(|i| middle(cell[i], shift, extent[i]));
+                }
+            }
             Ok::<_, crate::Error>(finer)
         });
         known = parts.into_iter().collect::<Result<Vec<_>>>()?.concat();
@@ -210,7 +254,7 @@ pub(crate) fn read(coded: &Coded<'_>, budget: &mut Budget, task: Task<'_>) -> Re
     if missing > 0 {
         // What is not known stands in the middle of its cell.
         for position in &mut known {
-            *position = [0, 1, 2].map(|i| ((position[i] << missing) + (1 << missing >> 1)).min(extent[i]));
+            *position = [0, 1, 2].map(|i| middle(position[i], missing, extent[i]));
         }
     }
     Ok((surface, known))

@@ -15,6 +15,7 @@ mod io;
 mod layers;
 mod resize;
 mod robustness;
+mod roi;
 mod roundtrip;
 mod spec;
 mod stages;

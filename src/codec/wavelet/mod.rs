@@ -25,6 +25,7 @@ mod trained;
 #[cfg(all(feature = "encode", feature = "inner"))]
 #[allow(unreachable_pub)]
 pub mod trial;
+mod zones;
 
 use contexts::{Contexts, Field, Place as At};
 use frames::{frame, into_frame, out_of_frame};
@@ -32,6 +33,7 @@ use lifting::{Grid, most_levels};
 use quantise::{Band, MAX_INDEX, MAX_LEVELS, coarse_step, steps, value};
 #[cfg(feature = "encode")]
 pub(crate) use shrink::shrink;
+pub(crate) use zones::Zones;
 
 use crate::entropy::{BitCoder, BitReader, BitWriter};
 use crate::error::{Error, Place, Result};
@@ -42,7 +44,7 @@ use crate::plane::{GeometryImage, Gluing, Shape};
 use crate::task::Task;
 
 /// What is known of an image before its bytes are read.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Layout {
     pub(crate) shape: Shape,
     pub(crate) gluing: Gluing,
@@ -50,6 +52,8 @@ pub(crate) struct Layout {
     pub(crate) levels: u8,
     /// The error of one sample is about this over √12, in the units of the mesh.
     pub(crate) step: f64,
+    /// Where steps are coarser, if there is a region of interest.
+    pub(crate) zones: Option<Zones>,
 }
 
 /// Samples a side below which halving an image saves nothing.
@@ -65,7 +69,7 @@ impl Layout {
             coarse = coarse.halved();
             levels += 1;
         }
-        Self { shape, gluing, levels, step }
+        Self { shape, gluing, levels, step, zones: None }
     }
 
     /// Refuses levels that the image has not.
@@ -91,6 +95,11 @@ impl Layout {
     pub(crate) fn cost(&self, level: u8) -> (u64, u64) {
         let pixels = self.shape_at(level).pixels() as u64;
         (pixels.saturating_mul(BYTES_A_SAMPLE).saturating_add(4 << 20), pixels.saturating_mul(STEPS_A_SAMPLE))
+    }
+
+    /// The steps of a detail at a place of a level.
+    fn steps(&self, level: u8, band: Band, place: [usize; 2]) -> [f64; 3] {
+        Zones::steps(self.zones.as_ref(), self.step, level, band, place)
     }
 
     fn grid(&self, level: u8) -> Result<Grid> {
@@ -143,13 +152,13 @@ pub(crate) fn quantise(image: &GeometryImage, layout: Layout, task: &Task<'_>) -
     let coarse: Vec<[i32; 3]> =
         coarse.into_iter().map(|[x, y, z]| Ok([index(x)?, index(y)?, index(z)?])).collect::<Result<_>>()?;
     let mut decoded = coarse_grid(&layout, &coarse)?;
-    let mut decider = decide::Decider::new(layout, bounding_box(image.points().iter().copied()).unwrap_or_default());
+    let mut decider = decide::Decider::new(layout.clone(), bounding_box(image.points().iter().copied()).unwrap_or_default());
     let mut details = vec![Vec::new(); usize::from(layout.levels)];
     for level in (0..layout.levels).rev() {
         task.step(0.5)?;
         let preview = preview(&layout, level, &decoded)?;
         let mut shares = open.pop().ok_or_else(too_small)?;
-        in_frames(&preview, &mut shares, |band| steps(layout.step, level, band));
+        in_frames(&preview, &mut shares, |band, place| layout.steps(level, band, place));
         let indices = decider.indices(&shares, level).ok_or_else(too_small)?;
         decoded = refine(&layout, level, &decoded, preview, &indices);
         details[usize::from(level)] = indices;
@@ -177,14 +186,14 @@ fn analyse(image: &GeometryImage, levels: u8, task: &Task<'_>) -> Result<Vec<Gri
 
 /// Turns details into the frames of the preview, in steps.
 #[cfg(feature = "encode")]
-fn in_frames(preview: &Grid, details: &mut Grid, steps: impl Fn(Band) -> [f64; 3]) {
+fn in_frames(preview: &Grid, details: &mut Grid, steps: impl Fn(Band, [usize; 2]) -> [f64; 3]) {
     let width = preview.shape.width();
-    let steps = Band::ALL.map(steps);
     for (at, detail) in details.points.iter_mut().enumerate() {
         let (row, column) = (at / width, at % width);
         if let Some(band) = Band::of(row, column) {
             let local = into_frame(&frame(preview, row, column), *detail);
-            *detail = [0, 1, 2].map(|i| local[i] / steps[band as usize][i]);
+            let steps = steps(band, [row, column]);
+            *detail = [0, 1, 2].map(|i| local[i] / steps[i]);
         }
     }
 }
@@ -212,7 +221,6 @@ fn refine(layout: &Layout, level: u8, coarse: &Grid, preview: Grid, indices: &[[
         return preview;
     }
     let width = preview.shape.width();
-    let steps = Band::ALL.map(|band| steps(layout.step, level, band));
     let mut points = vec![[0.0; 3]; preview.points.len()];
     for at in 0..points.len() {
         let (row, column) = (at / width, at % width);
@@ -221,7 +229,8 @@ fn refine(layout: &Layout, level: u8, coarse: &Grid, preview: Grid, indices: &[[
         if of != (row, column) {
             points[at] = points[of.0 * width + of.1];
         } else if indices[at] != [0; 3] {
-            let local = [0, 1, 2].map(|i| value(indices[at][i], steps[band as usize][i]));
+            let steps = layout.steps(level, band, [row, column]);
+            let local = [0, 1, 2].map(|i| value(indices[at][i], steps[i]));
             points[at] = out_of_frame(&frame(&preview, row, column), local);
         }
     }

@@ -52,8 +52,6 @@ impl Band {
             _ => Some(Self::Both),
         }
     }
-
-    pub(super) const ALL: [Self; 3] = [Self::Column, Self::Row, Self::Both];
 }
 
 /// The steps of details of `level` (0 is the finest) along the normal and the two tangents.

@@ -44,7 +44,7 @@ const SHAPES: [(usize, usize, Gluing); 7] = [
 
 fn coded(image: &GeometryImage, step: f64) -> (Vec<u8>, GeometryImage, Layout, [[f64; 3]; 2]) {
     let layout = Layout::new(image.shape(), image.gluing(), step);
-    let (quantised, decoded) = quantise(image, layout, &Task::default()).unwrap();
+    let (quantised, decoded) = quantise(image, layout.clone(), &Task::default()).unwrap();
     let bounds = bounding_box(decoded.points().iter().copied()).unwrap();
     (write(&quantised, bounds).unwrap(), decoded, layout, bounds)
 }
@@ -108,9 +108,9 @@ fn levels_beyond_the_last_are_the_coarsest_and_levels_an_image_has_not_are_refus
     let (bytes, _, layout, bounds) = coded(&surface(33, 33, Gluing::Open), 0.01);
     assert_eq!(decoded(&bytes, &layout, bounds, 200).unwrap().width(), 5);
     for levels in [layout.levels + 3, 16, 255] {
-        assert!(decoded(&bytes, &Layout { levels, ..layout }, bounds, 0).is_err());
+        assert!(decoded(&bytes, &Layout { levels, ..layout.clone() }, bounds, 0).is_err());
     }
-    assert!(decoded(&bytes, &Layout { step: f64::NAN, ..layout }, bounds, 0).is_err());
+    assert!(decoded(&bytes, &Layout { step: f64::NAN, ..layout.clone() }, bounds, 0).is_err());
     assert!(quantise(&surface(33, 33, Gluing::Open), Layout { step: 1e-12, ..layout }, &Task::default()).is_err());
 }
 
@@ -127,10 +127,10 @@ fn damaged_bytes_and_layouts_do_no_harm() {
         }
     }
     for step in [1e-300, 1e300, f64::MIN_POSITIVE] {
-        drop(decoded(&bytes, &Layout { step, ..layout }, bounds, 0));
+        drop(decoded(&bytes, &Layout { step, ..layout.clone() }, bounds, 0));
         drop(decoded(&bytes, &layout, [[-step; 3], [step; 3]], 0));
     }
-    let wide = Layout { shape: Shape::new(1 << 20, 1 << 20).unwrap(), gluing: Gluing::Open, levels: 3, step: 1.0 };
+    let wide = Layout { shape: Shape::new(1 << 20, 1 << 20).unwrap(), gluing: Gluing::Open, levels: 3, step: 1.0, zones: None };
     assert!(matches!(decoded(&bytes, &wide, bounds, 0), Err(Error::Limit { .. })));
 }
 
@@ -138,9 +138,9 @@ fn damaged_bytes_and_layouts_do_no_harm() {
 fn shrinking_leaves_the_normal_alone_and_makes_bytes_fewer() {
     let image = surface(65, 65, Gluing::Open);
     let step = 2e-3;
-    let smoother = shrink(&image, step, 0.8, &Task::default()).unwrap();
+    let smoother = shrink(&image, step, None, 0.8, &Task::default()).unwrap();
     assert!(coded(&smoother, step).0.len() < coded(&image, step).0.len());
-    let kept = shrink(&image, step, 0.0, &Task::default()).unwrap();
+    let kept = shrink(&image, step, None, 0.0, &Task::default()).unwrap();
     let off = image.points().iter().zip(kept.points()).flat_map(|(p, q)| (0..3).map(move |i| (p[i] - q[i]).abs()));
     assert!(off.fold(0.0, f64::max) < 1e-12);
 }

@@ -28,7 +28,7 @@ pub fn any(bytes: &[u8]) {
     else {
         return;
     };
-    let layout = Layout { shape, gluing, levels: levels & 15, step: f64::from(kind >> 1) / 64.0 };
+    let layout = Layout { shape, gluing, levels: levels & 15, step: f64::from(kind >> 1) / 64.0, zones: None };
     let limits = Limits::default().memory(1 << 26).work(1 << 24);
     drop(decode(rest, &layout, [[-1.0; 3], [1.0; 3]], levels >> 4, &mut Budget::new(limits), &Task::default()));
 }

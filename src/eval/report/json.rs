@@ -38,6 +38,13 @@ impl Json {
         Self::List(items.into_iter().map(Into::into).collect())
     }
 
+    /// Adds members to an object, behind those that it has; anything else stays as it is.
+    pub fn extend<K: Into<String>>(&mut self, more: impl IntoIterator<Item = (K, Json)>) {
+        if let Self::Object(members) = self {
+            members.extend(more.into_iter().map(|(k, v)| (k.into(), v)));
+        }
+    }
+
     /// The member of an object, if this is one and has it.
     pub fn get(&self, key: &str) -> Option<&Json> {
         match self {

@@ -192,7 +192,7 @@ fn shrinking_and_fitting_take_turns() {
     let atlas =
         Atlas::new(&edges, &mesh.positions, Flattening { param: Param::Yoshizawa, border: Border::Auto }, &Task::default())
             .unwrap();
-    let image = atlas.maps()[0].sample(33, Sampling::Regular, &Task::default()).unwrap();
+    let image = atlas.sample(33, Sampler::default(), &Task::default()).unwrap().remove(0);
     let calls = std::sync::atomic::AtomicUsize::new(0);
     // Drops nothing; what comes back is what fitting alone makes of it.
     let shrink = |image: &GeometryImage| {

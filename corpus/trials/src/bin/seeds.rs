@@ -35,6 +35,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let choices = [&seed.to_le_bytes()[..], &[seed as u8, seed as u8, 10]].concat();
         std::fs::write(folder.join(format!("roundtrip/{seed}")), choices)?;
     }
+    // One of every kind of file: regions of interest, geometry images, stages, attributes.
+    for file in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../files/valid"))? {
+        let file = file?;
+        let (name, bytes) = (file.file_name().to_string_lossy().into_owned(), std::fs::read(file.path())?);
+        if let Some(noise) = trials::seal::to_noise(&bytes) {
+            std::fs::write(folder.join("sealed").join(&name), noise)?;
+        }
+        std::fs::write(folder.join("decode").join(&name), bytes)?;
+    }
     for seed in 0..15_u8 {
         std::fs::write(folder.join(format!("beside/{seed}")), [seed % 3, seed / 3, 10 * seed])?;
     }
