@@ -49,7 +49,7 @@ impl<'a> Task<'a> {
     }
 
     /// Whether the caller wants no more.
-    pub(crate) fn is_over(&self) -> bool {
+    pub fn is_over(&self) -> bool {
         self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed)) || self.deadline.is_some_and(|end| Instant::now() >= end)
     }
 }

@@ -1,8 +1,12 @@
 //! Bytes, one field at a time: a reader that says where it stands, a writer, variable-length integers.
 
+#[cfg(feature = "encode")]
+mod crc;
 mod reader;
 mod writer;
 
+#[cfg(feature = "encode")]
+pub(crate) use crc::crc32;
 pub(crate) use reader::Reader;
 pub(crate) use writer::Writer;
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, Parser, ValueEnum};
 use gimc::eval::Json;
 use gimc::{Accuracy, Effort, EncodeOptions, Encoded, Format, Mesh, Repair, Task};
 
@@ -252,12 +252,17 @@ impl Encode {
         options
     }
 
-    /// The mesh repaired; what was done goes to stderr.
-    fn repaired(&self, file: &str, mesh: Mesh) -> Mesh {
+    /// What is to be repaired, if anything.
+    fn repair(&self) -> Option<Repair> {
         let mut wanted = Repair::default();
         wanted.weld = self.weld.unwrap_or(0.0);
         wanted.close = self.close.unwrap_or(0);
-        let (mesh, done) = mesh.repaired(&wanted);
+        self.repair.then_some(wanted)
+    }
+
+    /// The mesh repaired; what was done goes to stderr.
+    fn repaired(&self, file: &str, mesh: &Mesh, wanted: &Repair) -> Mesh {
+        let (mesh, done) = mesh.repaired(wanted);
         let steps = done.steps();
         let nothing = steps.is_empty().then(|| "nothing to do".to_owned());
         let steps: Vec<String> = steps.into_iter().chain(nothing).map(|step| format!("repair: {step}")).collect();
@@ -292,7 +297,10 @@ impl Encode {
             self.gim.check_mesh(&file)?;
             let (mesh, notes) = input::mesh(&self.mesh, self.format)?;
             self.common.notes(&file, &notes);
-            let mesh = if self.repair { self.repaired(&file, mesh) } else { mesh };
+            let mesh = match self.repair() {
+                Some(wanted) => self.repaired(&file, &mesh, &wanted),
+                None => mesh,
+            };
             let encode = |task: Task<'_>| options.encode_with(&mesh, task);
             (self.common.run("encoding", encode).map_err(|e| Failure::in_file(&file, e))?, mesh.positions.len())
         };
@@ -321,6 +329,26 @@ impl Encode {
         }
         Ok(ExitCode::SUCCESS)
     }
+}
+
+/// Arguments of `gimc encode`, beside its files, as a sweep has them: what they ask for.
+pub(super) fn asked(words: &[String]) -> Result<(EncodeOptions, Option<Repair>), Failure> {
+    #[derive(Parser)]
+    #[command(name = "gimc encode", no_binary_name = true)]
+    struct Line {
+        #[command(flatten)]
+        encode: Encode,
+    }
+    let files = ["MESH", "OUT.gimc"].map(String::from);
+    let Line { encode } = Line::try_parse_from(files.iter().chain(words)).map_err(|e| super::misuse(&e))?;
+    encode.check()?;
+    let Common { json, quiet, threads, deadline } = encode.common;
+    if json || quiet || threads > 0 || deadline.is_some() || encode.format.is_some() {
+        let text = "--json, --quiet, --threads, --deadline and --format are not for one point of a sweep";
+        return Err(Failure::wrong_use(text, None));
+    }
+    encode.gim.check_mesh("MESH")?;
+    Ok((encode.options(), encode.repair()))
 }
 
 /// The effort by its name on the command line.

@@ -17,6 +17,7 @@ mod output;
 mod progress;
 mod resize;
 mod roi;
+mod sweep;
 mod table;
 mod verify;
 mod view;
@@ -54,6 +55,7 @@ enum Command {
     Compare(compare::Compare),
     View(view::View),
     Resize(resize::Resize),
+    Sweep(sweep::Sweep),
     Completions(completions::Completions),
 }
 
@@ -157,6 +159,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Compare(c) => c.run(),
         Command::View(c) => c.run(),
         Command::Resize(c) => c.run(),
+        Command::Sweep(c) => c.run(),
         Command::Completions(c) => c.run(),
     };
     outcome.unwrap_or_else(|failure| failure.report())
@@ -174,22 +177,25 @@ fn usage(error: &clap::Error) -> ExitCode {
             let _ = error.print();
             ExitCode::from(2)
         }
-        _ => {
-            let text = error.render().to_string();
-            let mut lines = text.lines().map(str::trim).filter(|l| !l.is_empty());
-            let first = lines.next().unwrap_or("wrong use").trim_start_matches("error: ");
-            let usage = text.lines().find_map(|l| l.trim().strip_prefix("Usage: "));
-            // Some first lines announce a list: of missing arguments, or of possible values.
-            let after = text.lines().skip(1).map(str::trim).take_while(|l| !l.is_empty());
-            let listed: Vec<&str> = after.filter(|l| first.ends_with(':') || l.starts_with("[possible values")).collect();
-            let listed = listed.join(", ");
-            let hint = usage.map(|usage| {
-                match text.lines().find_map(|l| l.trim().strip_prefix("tip: ")).filter(|t| !t.contains("as a value")) {
-                    Some(tip) => format!("{tip}; usage: {usage}"),
-                    None => format!("usage: {usage}"),
-                }
-            });
-            Failure::Use { text: format!("{first} {listed}").trim().to_owned(), hint }.report()
-        }
+        _ => misuse(error).report(),
     }
+}
+
+/// What the parser of arguments found.
+fn misuse(error: &clap::Error) -> Failure {
+    let text = error.render().to_string();
+    let mut lines = text.lines().map(str::trim).filter(|l| !l.is_empty());
+    let first = lines.next().unwrap_or("wrong use").trim_start_matches("error: ");
+    let usage = text.lines().find_map(|l| l.trim().strip_prefix("Usage: "));
+    // Some first lines announce a list: of missing arguments, or of possible values.
+    let after = text.lines().skip(1).map(str::trim).take_while(|l| !l.is_empty());
+    let listed: Vec<&str> = after.filter(|l| first.ends_with(':') || l.starts_with("[possible values")).collect();
+    let listed = listed.join(", ");
+    let hint = usage.map(|usage| {
+        match text.lines().find_map(|l| l.trim().strip_prefix("tip: ")).filter(|t| !t.contains("as a value")) {
+            Some(tip) => format!("{tip}; usage: {usage}"),
+            None => format!("usage: {usage}"),
+        }
+    });
+    Failure::Use { text: format!("{first} {listed}").trim().to_owned(), hint }
 }

@@ -24,7 +24,8 @@ pub(super) fn write<T>(file: &Path, fill: impl FnOnce(&mut dyn Write) -> gimc::R
     attempt(file, fill).map_err(|e| Failure::in_file(&name(file), e))
 }
 
-fn attempt<T>(file: &Path, fill: impl FnOnce(&mut dyn Write) -> gimc::Result<T>) -> gimc::Result<T> {
+/// The same for callers that name the file themselves.
+pub(super) fn attempt<T>(file: &Path, fill: impl FnOnce(&mut dyn Write) -> gimc::Result<T>) -> gimc::Result<T> {
     if is_stdout(file) {
         return direct(io::stdout().lock(), fill);
     }
