@@ -314,7 +314,7 @@ fn wrong_use_is_told_from_refusal_by_the_exit_code() {
 #[test]
 fn help_version_and_completions_go_to_stdout() {
     let help = done(&["help"]).text();
-    for command in ["encode", "decode", "info", "verify", "inspect", "compare", "completions"] {
+    for command in ["encode", "decode", "info", "verify", "inspect", "compare", "sweep", "completions"] {
         assert!(help.contains(command), "{command}");
         assert!(done(&["help", command]).text().contains("Usage: gimc"), "{command}");
         assert!(done(&[command, "--help"]).text().contains("Usage: gimc"), "{command}");

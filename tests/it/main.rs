@@ -19,3 +19,4 @@ mod roi;
 mod roundtrip;
 mod spec;
 mod stages;
+mod sweep;

@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use crate::eval::curve::PSNR_WITHOUT_LOSS;
 use crate::eval::same::Verdict;
-use crate::eval::sweep::{Measured, MeshCurves, SweepPoint, SweepTable};
+use crate::eval::sweep::{Measured, MeshCurves, SweepTable, WayCurve};
 
 /// Panels side by side, if there are that many.
 const COLUMNS: usize = 2;
@@ -95,8 +95,7 @@ fn legend(ways: &[&str], width: f64) -> (String, f64) {
     y += ROW;
     let _ = writeln!(
         out,
-        "<text x=\"{left}\" y=\"{y:.1}\" font-size=\"11\" fill=\"#666\">Marks are filled where the connectivity is that of the original. \
-         Grey: the best of all ways.</text>"
+        "<text x=\"{left}\" y=\"{y:.1}\" font-size=\"11\" fill=\"#666\">Marks are filled where the connectivity is that of the original.</text>"
     );
     (out, y + 12.0)
 }
@@ -182,7 +181,7 @@ fn panel(out: &mut String, mesh: &MeshCurves<'_>, ways: &[&str]) {
     };
     // A byte more or less, in bits a vertex.
     let shift = (8.0 / mesh.vertices.max(1) as f64).log10();
-    let bits = logarithmic_ticks(axes.log_bytes.map(|log| log + shift), right - left, |x| digits(x));
+    let bits = logarithmic_ticks(axes.log_bytes.map(|log| log + shift), right - left, digits);
     for (log, label) in &bits {
         let x = axes.x(log - shift);
         let _ = writeln!(
@@ -219,12 +218,9 @@ fn panel(out: &mut String, mesh: &MeshCurves<'_>, ways: &[&str]) {
         bottom + 36.0,
         top - 27.0,
     );
-    let is_lossy = |p: &&SweepPoint| p.result.as_ref().is_ok_and(|m| m.psnr < PSNR_WITHOUT_LOSS);
-    let front = mesh.front.iter().copied().filter(is_lossy).filter_map(|p| p.result.as_ref().ok());
-    line(out, &axes, front, "stroke=\"#ccc\" stroke-width=\"7\" stroke-linecap=\"round\" opacity=\"0.6\"");
     for curve in &mesh.ways {
         let [colour, dash] = look(curve.way);
-        let lossy = curve.points.iter().filter(|(p, _)| is_lossy(p)).map(|(_, m)| *m);
+        let lossy = curve.points.iter().map(|(_, m)| *m).filter(|m| m.psnr < PSNR_WITHOUT_LOSS);
         line(out, &axes, lossy, &format!("stroke=\"{colour}\" stroke-width=\"2\"{dash}"));
         for (point, m) in &curve.points {
             let [x, y] = axes.of(m);
@@ -264,7 +260,7 @@ fn line<'a>(out: &mut String, axes: &Axes, points: impl Iterator<Item = &'a Meas
 
 /// Which ways were refused, how often, and why the first time.
 fn refusals(mesh: &MeshCurves<'_>, ways: &[&str]) -> String {
-    let of_way = |curve: &crate::eval::sweep::WayCurve<'_>| {
+    let of_way = |curve: &WayCurve<'_>| {
         let (_, why) = curve.refused.first()?;
         let tried = curve.refused.len() + curve.points.len();
         Some(format!("{} refused {} of {tried}: {why}", ways[curve.way], curve.refused.len()))
