@@ -21,7 +21,7 @@
 //!
 //! ```text
 //!  6  main.rs  cli                      talks: flags, stderr, exit codes. Computes nothing.
-//!  5  eval  picture                     every measure, the same-connectivity question, reports
+//!  5  eval  picture                     every measure, the same-connectivity question, sweeps, reports
 //!  4  encode  decode  options           the two doors; the only files that see both wings
 //!     images  extras  charts  judge     what both of them say
 //!     ─────────────────────────────┬──────────────────────────────────────────────

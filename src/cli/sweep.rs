@@ -87,7 +87,8 @@ fn clock() -> f64 {
 /// A text as a part of a file name.
 fn file_name(text: &str) -> String {
     let words = text.split(|c: char| !c.is_alphanumeric() && c != '.' && c != '_').filter(|word| !word.is_empty());
-    words.collect::<Vec<_>>().join("-")
+    let name = words.collect::<Vec<_>>().join("-");
+    if name.is_empty() { "mesh".into() } else { name }
 }
 
 impl Sweep {
@@ -233,7 +234,11 @@ impl Sweep {
             let content = input::bytes(path)?;
             let (mesh, notes) = input::mesh_of(path, &content, None)?;
             self.common.notes(&file, &notes);
-            meshes.push(SweepMesh::new(path.display().to_string(), &content, mesh));
+            let mut mesh = SweepMesh::new(path.display().to_string(), &content, mesh);
+            if mesh.file == "-" {
+                mesh.name = file;
+            }
+            meshes.push(mesh);
         }
         Ok(meshes)
     }

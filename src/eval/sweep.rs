@@ -76,6 +76,19 @@ struct Wanted {
 }
 
 /// A sweep that is planned: [`Sweep::add`] points, then [`Sweep::run`].
+///
+/// ```
+/// use gimc::eval::{OwnCoder, Sweep, SweepMesh, SweepTable, curves_svg};
+/// let mut sweep = Sweep::new(vec![SweepMesh::open("corpus/meshes/sphere.ply")?], Vec::new());
+/// for bits in [8, 10] {
+///     let (coder, setting) = (OwnCoder::new(gimc::EncodeOptions::cgim().bits(bits), || 0.0), format!("--bits {bits}"));
+///     sweep.add(0, "surface", setting, "the command that makes it", std::sync::Arc::new(coder));
+/// }
+/// let swept = sweep.run(&|_| Ok(()), gimc::Task::default());
+/// let picture = curves_svg(&SweepTable::new(&swept.points, None)?);
+/// # assert!(swept.measured == 2 && picture.contains("surface: --bits 10"));
+/// # Ok::<(), gimc::Error>(())
+/// ```
 pub struct Sweep {
     meshes: Vec<SweepMesh>,
     known: Vec<SweepPoint>,

@@ -255,6 +255,17 @@ fn tables_of_others_and_damaged_ones_are_refused_and_left_alone() {
 }
 
 #[test]
+fn a_mesh_from_stdin_is_swept_and_its_command_reads_stdin() {
+    let folder = Folder::new("sweep-stdin");
+    let input = std::fs::File::open(mesh(SPHERE)).unwrap();
+    let arguments = ["sweep", "-", "--out", &folder.file("out"), "--ways", "surface", "--bits", "8"];
+    let said = Command::new(env!("CARGO_BIN_EXE_gimc")).args(arguments).stdin(input).output().unwrap();
+    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+    let [point] = &points(&folder)[..] else { panic!("one point") };
+    assert_eq!((&*point.mesh, &*point.command), ("stdin", "gimc encode - stdin-bits-8.gimc --bits 8"));
+}
+
+#[test]
 fn wrong_use_of_a_sweep_is_told() {
     let (sphere, folder) = (mesh(SPHERE), Folder::new("sweep-use"));
     let out = folder.file("out");
