@@ -84,12 +84,17 @@ const ALONG_A_CURVE: &[&str] =
 
 /// The points of a text such as `--codec mbcim --bits {8,10}` or `searched=--codec mbcim --search 20 --bits 9`.
 ///
-/// Before the first `=` may stand the name of the way; without one it is the text, less what moves a point along its curve.
+/// Before the first `=` may stand the name of the way; without one it is the text, less lists and what else moves a point along
+/// its curve.
 pub(super) fn of_text(text: &str) -> Result<Vec<Setting>, String> {
     let named = text.split_once('=').filter(|(name, _)| !name.trim_start().starts_with('-') && !name.trim().is_empty());
     let (name, arguments) = match named {
         Some((name, arguments)) => (Some(name.trim().to_owned()), arguments),
         None => (None, text),
+    };
+    let way = match name {
+        Some(name) => name,
+        None => way_of(&words(&without_lists(arguments))?),
     };
     let mut settings = Vec::new();
     for line in expanded(arguments) {
@@ -97,10 +102,20 @@ pub(super) fn of_text(text: &str) -> Result<Vec<Setting>, String> {
         if words.is_empty() {
             return Err("arguments of `gimc encode` are expected".into());
         }
-        let way = name.clone().unwrap_or_else(|| way_of(&words));
-        settings.push(Setting { way, words });
+        settings.push(Setting { way: way.clone(), words });
     }
     Ok(settings)
+}
+
+/// Stands for a list.
+const LIST: char = '\u{1}';
+
+fn without_lists(line: &str) -> String {
+    let list = line.find('{').and_then(|from| line[from..].find('}').map(|length| (from, from + length)));
+    match list {
+        Some((from, to)) => format!("{}{LIST}{}", &line[..from], without_lists(&line[to + 1..])),
+        None => line.to_owned(),
+    }
 }
 
 fn way_of(words: &[String]) -> String {
@@ -112,6 +127,9 @@ fn way_of(words: &[String]) -> String {
         }
         if ALONG_A_CURVE.contains(&flag) {
             skip = flag == word && flag != "--lossless";
+        } else if word.contains(LIST) {
+            // The flag before goes with its values.
+            kept.pop_if(|flag: &mut &str| !word.starts_with('-') && flag.starts_with("--"));
         } else {
             kept.push(word.as_str());
         }
@@ -138,6 +156,9 @@ mod tests {
         assert_eq!(ways("--bits=9"), [("surface".into(), "--bits=9".into())]);
         assert_eq!(ways("j2k exact = --codec j2k --lossless"), [("j2k exact".into(), "--codec j2k --lossless".into())]);
         assert_eq!(ways("--codec j2k --lossless")[0].0, "--codec j2k");
+        let [first, second] = &ways("--search {5, 9} --codec mbcim")[..] else { panic!("two points") };
+        assert_eq!((&*first.0, &*second.0, &*second.1), ("--codec mbcim", "--codec mbcim", "--search 9 --codec mbcim"));
+        assert_eq!(ways("--codec={mbcim,raw} --bits 9")[1], ("surface".into(), "--codec=raw --bits 9".into()));
         assert!(of_text("name=").is_err() && of_text("'open").is_err());
     }
 
