@@ -8,7 +8,7 @@ mod coder;
 mod point;
 mod table;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -118,17 +118,21 @@ pub struct Swept {
 impl Sweep {
     /// A sweep over `meshes` that knows the points of an earlier one (or of none).
     ///
-    /// Known points of a file that has changed since are dropped. Two different meshes never share a name: where they
-    /// would, the later is called by its whole path.
+    /// Known points of a file that has changed since are dropped, and a mesh that is given twice under one name counts once. Two
+    /// different meshes never share a name: where they would, the later is called by its whole path.
     pub fn new(mut meshes: Vec<SweepMesh>, mut known: Vec<SweepPoint>) -> Self {
         let before = known.len();
         known.retain(|point| !meshes.iter().any(|mesh| mesh.file == point.file && !mesh.is_of(point)));
+        let mut seen = BTreeSet::new();
+        meshes.retain(|mesh| seen.insert((mesh.name.clone(), mesh.bytes, mesh.crc32)));
+        let files: BTreeSet<String> = meshes.iter().map(|mesh| mesh.file.clone()).collect();
         let mut named: BTreeMap<String, (u64, u32)> =
             known.iter().map(|p| (p.mesh.clone(), (p.file_bytes, p.file_crc32))).collect();
         for mesh in &mut meshes {
             let content = (mesh.bytes, mesh.crc32);
-            if let Some(point) = known.iter().find(|point| mesh.is_of(point)) {
-                // The same mesh from another place keeps its name.
+            // The same mesh from another place keeps its name.
+            let is_it = |point: &&SweepPoint| mesh.is_of(point) && (point.file == mesh.file || !files.contains(&point.file));
+            if let Some(point) = known.iter().find(is_it) {
                 mesh.name = point.mesh.clone();
             } else if named.get(&mesh.name).is_some_and(|&other| other != content) {
                 mesh.name = mesh.file.clone();

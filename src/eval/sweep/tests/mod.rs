@@ -142,6 +142,14 @@ fn meshes_that_are_not_the_same_never_share_a_name() {
     moved.file = "z/m.ply".into();
     let second = planned(vec![moved, square("w/m.ply")], known.clone(), &calls);
     assert_eq!((names(&second), second.counts(), second.dropped()), (vec!["m".into(), "w/m.ply".into()], [14, 7], 0));
+    // Copies keep their names, also when they are known; a mesh that is given twice counts once.
+    let copies = || {
+        let mut copy = square("x/m.ply");
+        (copy.name, copy.file) = ("copy".into(), "x/copy.ply".into());
+        vec![square("x/m.ply"), copy, square("x/m.ply")]
+    };
+    let swept = planned(copies(), Vec::new(), &calls).run(&ignore, Task::default());
+    assert_eq!(names(&planned(copies(), swept.points, &calls)), ["m", "copy"]);
     // A file that has changed takes its name over from its old points.
     let changed = SweepMesh::new("x/m.ply", b"other bytes", square("x/m.ply").mesh);
     let third = planned(vec![changed], known, &calls);
