@@ -252,6 +252,13 @@ impl Encode {
         options
     }
 
+    /// The options, with a region that may be in a file.
+    fn asked(&self) -> Result<EncodeOptions, Failure> {
+        let mut options = self.options();
+        options.roi = self.roi.region()?;
+        Ok(options)
+    }
+
     /// What is to be repaired, if anything.
     fn repair(&self) -> Option<Repair> {
         let mut wanted = Repair::default();
@@ -282,8 +289,7 @@ impl Encode {
         self.check()?;
         let start = Instant::now();
         let file = input::name(&self.mesh);
-        let mut options = self.options();
-        options.roi = self.roi.region()?;
+        let options = self.asked()?;
         let (encoded, vertices) = if self.is_picture() {
             let lattice = self.lattice.map(|(origin, step)| gimc::Lattice { origin, step });
             let image = self.gim.picture(&self.mesh, lattice)?;
@@ -348,7 +354,7 @@ pub(super) fn asked(words: &[String]) -> Result<(EncodeOptions, Option<Repair>),
         return Err(Failure::wrong_use(text, None));
     }
     encode.gim.check_mesh("MESH")?;
-    Ok((encode.options(), encode.repair()))
+    Ok((encode.asked()?, encode.repair()))
 }
 
 /// The effort by its name on the command line.
