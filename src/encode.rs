@@ -166,7 +166,7 @@ impl EncodeOptions {
     fn inside(&self, mesh: &Mesh) -> Result<Option<(u32, u32, Vec<bool>)>> {
         match (&self.roi, self.accuracy) {
             (Some(Roi { place, bits: Some(bits), .. }), Accuracy::Bits(outside)) => {
-                Ok(Some((*bits, bits - outside, place.on(mesh)?.vertices().to_vec())))
+                Ok(Some((*bits, bits - outside, place.on(mesh)?.corners(mesh))))
             }
             _ => Ok(None),
         }

@@ -14,7 +14,7 @@ pub(super) struct RoiFlags {
     /// surface is flattened onto; or auto, where normals differ most.
     #[arg(long, value_name = "FILE|auto")]
     roi: Option<String>,
-    /// Exact connectivity: bits of the lattice there; --bits are those of the rest.
+    /// Exact connectivity: bits of the lattice at all corners of its faces; --bits are those of the rest.
     #[arg(long, value_name = "N", requires = "roi", value_parser = clap::value_parser!(u32).range(2..=24))]
     roi_bits: Option<u32>,
     /// gim: the grid's lines are so many times as dense there [default: 2].

@@ -50,8 +50,8 @@ impl EncodeOptions {
                 let psnr = |decoded: &Decoded| fidelity::psnr(source.mesh, &placed(header, decoded), &task);
                 let region = self.roi.as_ref().map(|roi| roi.place.on(source.mesh)).transpose()?;
                 let inside = |region: Region| {
-                    let of = |v: u32| source.front.vertex.get(v as usize).is_some_and(|&v| region.vertices()[v as usize]);
-                    draft.pixels(of)
+                    let corners = region.corners(source.mesh);
+                    draft.pixels(|v: u32| source.front.vertex.get(v as usize).is_some_and(|&v| corners[v as usize]))
                 };
                 let mask = region.map(inside).filter(|mask| mask.count() > 0);
                 let target = Target { goal, layers: self.j2k.layers, region: mask.as_ref(), psnr: &psnr };

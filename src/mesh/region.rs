@@ -55,8 +55,18 @@ impl Region {
     }
 
     /// Whether each vertex is inside.
-    pub(crate) fn vertices(&self) -> &[bool] {
+    #[cfg(test)]
+    fn vertices(&self) -> &[bool] {
         &self.inside
+    }
+
+    /// Whether each vertex is a corner of a face that is part of the region.
+    pub(crate) fn corners(&self, mesh: &Mesh) -> Vec<bool> {
+        let mut corners = self.inside.clone();
+        for face in mesh.faces.triangles().iter().filter(|face| self.has_face(*face)) {
+            face.iter().for_each(|&v| corners[v as usize] = true);
+        }
+        corners
     }
 
     /// Whether a face with these corners is part of the region.

@@ -13,7 +13,7 @@ use crate::surface::Effort;
 pub struct Roi {
     /// Where it is.
     pub place: RoiPlace,
-    /// Exact connectivity, codec surface: bits of the lattice inside; those of all others are [`Accuracy::Bits`](crate::Accuracy::Bits).
+    /// Exact connectivity, codec surface: bits of the lattice at all corners of the region's faces; those of all others are [`Accuracy::Bits`](crate::Accuracy::Bits).
     pub bits: Option<u32>,
     /// Geometry images: how samples come to be closer together there. Default: lines twice as dense.
     pub closer: Closer,
