@@ -117,7 +117,10 @@ impl Info {
             coarser: region.coarser,
             bits: None,
         });
-        if images[1..].iter().any(|image| image.psnr.is_some() || image.bound.is_some()) {
+        let says_more = |image: &ImageChunk<'_>| {
+            image.psnr.is_some() || image.bound.is_some() || image.region.is_some_and(|region| region.psnr > 0)
+        };
+        if images[1..].iter().any(says_more) {
             return Err(Error::malformed(Place::Whole, "a psnr or a bound of an image that is not the first"));
         }
         let (step, origin, bits) = match chunk.body {

@@ -354,6 +354,9 @@ impl<'a> ImageChunk<'a> {
             }
             other => return Err(crate::Error::Unsupported { what: "codec of geometry images", id: other.to_string() }),
         };
+        if let (Some(RegionField { coarser: 1.., .. }), ImageBody::Planes { .. }) = (region, body) {
+            return Err(r.error("coarser steps outside a region, of planes of samples"));
+        }
         let psnr = if flags & PSNR == 0 {
             None
         } else {
@@ -419,7 +422,7 @@ mod tests {
             ImageChunk { holes: Some(holes), ..chunk(Gluing::Orbifold, 33, 35, wavelet, None, None) },
             ImageChunk { region: Some(region), ..chunk(Gluing::Orbifold, 33, 33, wavelet, Some(6011), None) },
             ImageChunk {
-                region: Some(region),
+                region: Some(RegionField { coarser: 0, ..region }),
                 holes: Some(holes),
                 ..chunk(Gluing::Open, 33, 33, planes(PlanesBy::J2k), None, None)
             },
@@ -434,6 +437,16 @@ mod tests {
             for end in 0..bytes.len() - chunk.bytes.len() {
                 assert!(ImageChunk::read(Reader::new(&bytes[..end], ImageChunk::TAG)).is_err(), "cut at {end}");
             }
+        }
+    }
+
+    #[test]
+    fn planes_have_no_coarser_steps() {
+        let region = RegionField { coarser: 1, psnr: 7023, bytes: b"region" };
+        for chunk in chunks() {
+            let chunk = ImageChunk { region: Some(region), ..chunk };
+            let read = ImageChunk::read(Reader::new(&chunk.write(), ImageChunk::TAG)).is_ok();
+            assert_eq!(read, matches!(chunk.body, ImageBody::Wavelet { .. }));
         }
     }
 
