@@ -5,7 +5,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gimc::{Codec, Decoder, Effort, EncodeOptions, GimChoices, Grid, Mesh, Roi, RoiPlace};
+use gimc::{Codec, Decoder, Effort, EncodeOptions, GimChoices, Grid, Mesh, Metric, Roi, RoiPlace};
 use trials::seal::{self, Chunk};
 
 type Failure = Box<dyn std::error::Error>;
@@ -79,6 +79,8 @@ fn valid(corpus: &Path) -> Result<Vec<(&'static str, Mesh, EncodeOptions)>, Fail
         ("sphere-1-fast", open("sphere.ply")?, cgim().bits(1).effort(Effort::Fast)),
         ("bumpy_sphere-11-staged", open("bumpy_sphere.ply")?, staged(cgim().bits(11), &[2, 3])),
         ("torus_with_holes-10-mbcim-staged", open("torus_with_holes.ply")?, staged(cgim().bits(10).codec(Codec::Mbcim), &[3])),
+        ("torus_with_holes-surface", open("torus_with_holes.ply")?, cgim().step(0.02).metric(Metric::Surface)),
+        ("block-surface-best", open("block.ply")?, cgim().bits(9).metric(Metric::Surface).effort(Effort::Best)),
         ("components-8-raw", open("components.ply")?, cgim().bits(8).codec(Codec::Raw)),
         ("genus_5-9-j2k", open("genus_5.ply")?, cgim().bits(9).codec(Codec::J2k)),
         ("block-12-any-order", open("block.ply")?, cgim().bits(12).keep_order(true)),

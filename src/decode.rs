@@ -16,12 +16,14 @@ use crate::codec::j2k::{self, J2k};
 use crate::codec::{PlaneCodec, Raw};
 use crate::error::{Error, Place, Result};
 use crate::extras::Parts;
-use crate::format::{Chunks, Header, ImageChunk, MbcimChunk, PlanesChunk, RecipeChunk, STAGE, SurfaceChunk, read_stage};
+use crate::format::{
+    Chunks, Header, ImageChunk, MbcimChunk, PlanesChunk, RecipeChunk, STAGE, SlideField, SurfaceChunk, read_stage,
+};
 use crate::images::{self, Pixels};
 use crate::limits::{Budget, Limits};
 use crate::mesh::{Attribute, AttributeKind, Domain, Mesh, Scalar};
 use crate::plane::from_octahedral;
-use crate::surface::{self, Census, Effort, Skin};
+use crate::surface::{self, Census, Effort, Skin, Slide};
 use crate::task::Task;
 
 /// A file that was opened.
@@ -246,7 +248,8 @@ impl MeshFile<'_> {
                 }
                 let plan = surface::Plan { effort, stages: &chunk.stages, has_region: chunk.has_region };
                 let (connectivity, extent) = (chunk.connectivity, header.extent);
-                let coded = surface::Coded { plan, census, extent, connectivity, positions };
+                let slide = chunk.slide.map(slide);
+                let coded = surface::Coded { plan, slide, census, extent, connectivity, positions };
                 let (surface, positions) = surface::read(&coded, budget, task)?;
                 let skin = if is_plain { Skin::plain(surface.real_triangles()) } else { surface.skin() };
                 return Ok(Decoded { skin, positions, triangles: census.closed_faces(), normals: Vec::new(), pixels: None });
@@ -276,6 +279,14 @@ struct Decoded {
     normals: Vec<[i32; 2]>,
     #[cfg_attr(not(feature = "png"), allow(dead_code))]
     pixels: Option<Pixels>,
+}
+
+fn slide(field: SlideField) -> Slide {
+    Slide {
+        fine: field.fine,
+        longest: field.longest.unwrap_or(surface::LONGEST_STRETCH),
+        filter: field.filter.map(surface::Filter),
+    }
 }
 
 fn census(vertices: u32, surface: &SurfaceChunk<'_>) -> Census {

@@ -5,6 +5,7 @@
 mod fidelity;
 mod image;
 mod planes;
+mod sliding;
 
 use crate::cgim::Search;
 use crate::decode::{Decoder, Info};
@@ -16,11 +17,13 @@ use crate::format::{
 use crate::images;
 use crate::limits::Limits;
 use crate::mesh::{Attribute, AttributeKind, Domain, Front, HalfEdges, Mesh, Scalar};
-use crate::options::{Accuracy, Codec, EncodeOptions, Method, Quality, Roi};
+use crate::options::{Accuracy, Codec, EncodeOptions, Method, Metric, Quality, Roi};
 use crate::plane::{Lattice, bounding_box};
 use crate::surface::attributes::Form;
 use crate::surface::{self, Effort, Filled};
 use crate::task::Task;
+
+use self::sliding::{Sliding, Trial};
 
 /// A file, what it says of itself, and what was left out of it.
 #[derive(Debug, Clone)]
@@ -91,6 +94,9 @@ impl EncodeOptions {
             extent: [0; 3],
             bound: 0.0,
         };
+        if self.metric == Metric::Surface {
+            return self.encode_sliding(mesh, &front, is_plain, draft, &attributes, notes, task);
+        }
         let inside = self.inside(mesh)?;
         let (mut header, mut positions) = match &inside {
             Some((bits, ..)) => place(Accuracy::Bits(*bits), draft, mesh)?,
@@ -103,13 +109,62 @@ impl EncodeOptions {
         let inside = inside.map(|(_, shift, inside)| (shift, front.vertex.iter().map(|&v| inside[v as usize]).collect()));
         let source = Source { mesh, front: &front, positions: &on_surface, inside };
         let (body, coded) = self.write_surface(&source, &mut header, &mut notes, task)?;
+        let coded = if header.extras == Extras::default() { None } else { Some(coded()?) };
+        let bytes = self.assemble(&source, &header, body, &positions, coded.as_ref(), &attributes, task)?;
+        let info = Decoder::new(&bytes)?.info().clone();
+        Ok(Encoded { info, bytes, notes })
+    }
+
+    /// The same for vertices that may slide.
+    #[allow(clippy::too_many_arguments)]
+    fn encode_sliding(
+        &self,
+        mesh: &Mesh,
+        front: &Front,
+        is_plain: bool,
+        draft: Header,
+        attributes: &[(usize, Form)],
+        mut notes: Vec<String>,
+        task: Task<'_>,
+    ) -> Result<Encoded> {
+        if !is_plain {
+            let why =
+                "the metric surface is for oriented manifolds of triangles, and this mesh is none: `gimc inspect` tells why";
+            return Err(Error::Parameter(why.into()));
+        }
+        let sliding = Sliding::new(self, mesh, front, draft, task)?;
+        let coded = Coded::by_walk(&sliding.walked);
+        let source = Source { mesh, front, positions: &[], inside: None };
+        let assemble = |trial: &Trial| {
+            let Trial { header, positions, .. } = trial;
+            self.assemble(&source, header, sliding.chunks(trial), positions, Some(&coded), attributes, task)
+        };
+        let found = sliding.find(|trial| Ok(assemble(trial)?.len()))?;
+        sliding.notes(&found, &mut notes);
+        let bytes = assemble(&found)?;
+        let info = Decoder::new(&bytes)?.info().clone();
+        Ok(Encoded { info, bytes, notes })
+    }
+
+    /// The file of what was made.
+    #[allow(clippy::too_many_arguments)]
+    fn assemble(
+        &self,
+        source: &Source<'_>,
+        header: &Header,
+        body: Chunks,
+        positions: &[[i32; 3]],
+        coded: Option<&Coded>,
+        attributes: &[(usize, Form)],
+        task: Task<'_>,
+    ) -> Result<Vec<u8>> {
         let mut writer = ChunkWriter::new();
         writer.chunk(Header::TAG, &header.write());
         // Stages last, so that whatever is cut off is only finer positions.
         let (stages, body): (Chunks, Chunks) = body.into_iter().partition(|(tag, _)| *tag == STAGE);
         body.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
-        if header.extras != Extras::default() {
-            extras::write(&mut writer, &header, mesh, &positions, &front, &coded()?, &attributes)?;
+        if let Some(coded) = coded.filter(|_| header.extras != Extras::default()) {
+            extras::write(&mut writer, header, source.mesh, positions, source.front, coded, attributes)?;
         }
         stages.iter().for_each(|(tag, payload)| writer.chunk(*tag, payload));
         let mut bytes = writer.into_bytes();
@@ -119,8 +174,7 @@ impl EncodeOptions {
             writer.chunk(RecipeChunk::TAG, &recipe);
             bytes = writer.into_bytes();
         }
-        let info = Decoder::new(&bytes)?.info().clone();
-        Ok(Encoded { info, bytes, notes })
+        Ok(bytes)
     }
 }
 
@@ -211,8 +265,16 @@ impl EncodeOptions {
                 let census = [filled.census.holes, filled.census.components, filled.census.handles];
                 let mut stages = streams.positions.iter();
                 let first = stages.next().map_or(&[][..], Vec::as_slice);
-                let chunk =
-                    SurfaceChunk::write(plan.effort as u8, plan.stages, plan.has_region, census, &streams.connectivity, first);
+                let slide = None;
+                let chunk = SurfaceChunk::write(
+                    plan.effort as u8,
+                    plan.stages,
+                    plan.has_region,
+                    slide,
+                    census,
+                    &streams.connectivity,
+                    first,
+                );
                 let later = stages.map(|streams| (STAGE, format::write_stage(streams)));
                 (std::iter::once((SurfaceChunk::TAG, chunk)).chain(later).collect(), Err(walked))
             }
@@ -229,7 +291,7 @@ impl EncodeOptions {
         };
         let coded = move || match order {
             Ok((triangles, order)) => Coded::by_image(surface, triangles, order),
-            Err(walked) => Ok(Coded::by_walk(walked)),
+            Err(walked) => Ok(Coded::by_walk(&walked)),
         };
         Ok((chunks, coded))
     }

@@ -6,6 +6,7 @@ use crate::distance::{Frame, SampleOptions, Sampled, Surface, certify, sample, s
 use crate::error::{Error, MeshDefect, Result};
 use crate::geom::Aabb;
 use crate::mesh::{Mesh, Region};
+use crate::par;
 use crate::task::Task;
 
 /// A surface that others are compared with.
@@ -40,6 +41,17 @@ const SAMPLES: usize = 200_000;
 const SAMPLES_A_TRIANGLE: usize = 10;
 /// What a search takes of the surface with more: psnr by these is right to some hundredths of a dB.
 const FEW_SAMPLES: usize = 60_000;
+/// Points of a face that are looked at where faces are found that are too far off, by the weights of its corners.
+const LOOKED_AT: [[f64; 3]; 7] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.5, 0.5, 0.0],
+    [0.0, 0.5, 0.5],
+    [0.5, 0.0, 0.5],
+    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
+];
+const FACES_A_TASK: usize = 1024;
 /// The seed of `eval::CompareOptions`.
 const SEED: u64 = 1;
 /// Where the formula would say infinity.
@@ -140,6 +152,38 @@ impl Judge {
         let there = certify(&self.original, &decoded, seen, &task)?;
         let back = certify(&decoded, &self.original, there.lower, &task)?;
         Ok(self.frame.length_outside(there.upper.max(back.upper)))
+    }
+
+    /// The vertices of faces of either mesh that have a point, of some that are looked at, farther than `bound` from the other.
+    /// Both have the same faces.
+    pub(crate) fn beyond(&self, original: &Mesh, decoded: &Mesh, bound: f64, task: Task<'_>) -> Result<Vec<u32>> {
+        let surface = self.surface(decoded)?;
+        let faces = original.faces.triangles();
+        let limit = bound / self.frame.length_outside(1.0);
+        let mut found = Vec::new();
+        for (from, to) in [(original, &surface), (decoded, &self.original)] {
+            let chunks = par::map(faces.len().div_ceil(FACES_A_TASK), |chunk| {
+                let mut far: Vec<u32> = Vec::new();
+                let mut hint = 0;
+                for t in &faces[chunk * FACES_A_TASK..faces.len().min((chunk + 1) * FACES_A_TASK)] {
+                    let corners = t.map(|v| self.frame.inside(from.positions[v as usize].into()));
+                    let is_far = LOOKED_AT.iter().any(|w| {
+                        let hit = to.closest(corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2], hint);
+                        hint = hit.slot;
+                        hit.distance2 > limit * limit
+                    });
+                    if is_far {
+                        far.extend(t);
+                    }
+                }
+                far
+            });
+            found.extend(chunks.into_iter().flatten());
+            task.step(0.5)?;
+        }
+        found.sort_unstable();
+        found.dedup();
+        Ok(found)
     }
 
     fn surface(&self, mesh: &Mesh) -> Result<Surface> {

@@ -95,7 +95,7 @@ pub use mesh::{
 #[cfg(feature = "encode")]
 pub use options::{
     Accuracy, Adjust, AttributeChoices, Border, Boundaries, Closer, Codec, EncodeOptions, GimChoices, Grid, ImageChoices,
-    J2kChoices, Method, Param, Precision, Quality, Roi, RoiPlace, Sampling,
+    J2kChoices, Method, Metric, Param, Precision, Quality, Roi, RoiPlace, Sampling,
 };
 pub use par::with_threads;
 pub use plane::{GeometryImage, Gluing, Lattice};

@@ -26,6 +26,8 @@ pub struct EncodeOptions {
     pub method: Method,
     /// How exact positions are kept. Default: 12 bits; a psnr of 70 dB for geometry images.
     pub accuracy: Accuracy,
+    /// What the error is measured on. Default: [`Metric::Vertex`].
+    pub metric: Metric,
     /// Time for size. Default: [`Effort::Default`].
     pub effort: Effort,
     /// How the mesh becomes bytes. Default: [`Codec::Surface`]; [`Codec::Wavelet`] for geometry images.
@@ -53,6 +55,18 @@ pub enum Method {
     Cgim,
     /// As a geometry image: the surface is sampled anew.
     Gim,
+}
+
+/// What the error of a mesh with its own connectivity is measured on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Metric {
+    /// The vertices: each stays within the bound.
+    #[default]
+    Vertex,
+    /// The surfaces: vertices may slide along the surface as long as no point of either is farther than the bound from the
+    /// other. About two thirds of the bytes at the same psnr.
+    Surface,
 }
 
 /// How a mesh becomes bytes.
@@ -165,9 +179,9 @@ pub enum Accuracy {
     RelativeError(f64),
     /// A lattice given by the caller: files that share one agree where they meet.
     Lattice(Lattice),
-    /// Geometry images: at least this psnr, in dB, with as few bytes as a search finds.
+    /// Geometry images, and the metric [`Metric::Surface`]: at least this psnr, in dB, with as few bytes as a search finds.
     Psnr(f64),
-    /// Geometry images: at most so many bytes, with the best psnr that a search finds.
+    /// Likewise: at most so many bytes, with the best psnr that a search finds.
     Size(u64),
     /// Every coordinate bit by bit, in the number type that the mesh has.
     Exact,
@@ -179,6 +193,7 @@ impl EncodeOptions {
         Self {
             method: Method::Cgim,
             accuracy: Accuracy::Bits(12),
+            metric: Metric::default(),
             effort: Effort::default(),
             codec: Codec::default(),
             gim: GimChoices::default(),
@@ -253,6 +268,12 @@ impl EncodeOptions {
         self
     }
 
+    /// The same with the error measured on something else.
+    pub fn metric(mut self, metric: Metric) -> Self {
+        self.metric = metric;
+        self
+    }
+
     /// The same with more or less time for size.
     pub fn effort(mut self, effort: Effort) -> Self {
         self.effort = effort;
@@ -302,6 +323,7 @@ impl EncodeOptions {
         self.j2k.check()?;
         self.check_codec()?;
         self.check_method()?;
+        self.check_metric()?;
         self.check_roi()?;
         self.attributes.check()?;
         match self.accuracy {
@@ -353,6 +375,33 @@ impl EncodeOptions {
             return refuse("rates, layers and boundaries are for the codec j2k");
         }
         Ok(())
+    }
+}
+
+impl EncodeOptions {
+    /// Refuses what vertices that slide cannot have.
+    fn check_metric(&self) -> Result<()> {
+        let refuse = |why: &str| Err(Error::Parameter(why.into()));
+        if self.metric == Metric::Vertex {
+            return Ok(());
+        }
+        if self.method != Method::Cgim || self.codec != Codec::Surface {
+            return refuse("the metric surface is for the method cgim with the codec surface");
+        }
+        if self.effort == Effort::Fast {
+            return refuse("the metric surface needs the effort default or best");
+        }
+        if !self.image.stages.is_empty() {
+            return refuse("stages are for the metric vertex");
+        }
+        if self.roi.is_some() {
+            return refuse("regions of interest are for the metric vertex");
+        }
+        match self.accuracy {
+            Accuracy::Exact => refuse("coordinates bit by bit are for the metric vertex"),
+            Accuracy::Lattice(_) => refuse("a lattice of your own is for the metric vertex: vertices that slide leave it"),
+            _ => Ok(()),
+        }
     }
 }
 

@@ -38,6 +38,7 @@ fn json(info: &gimc::Info, bytes: usize, bpv: f64) -> String {
         ("version", u32::from(info.version).into()),
         ("method", info.method.into()),
         ("codec", info.codec.into()),
+        ("metric", info.metric.into()),
         ("effort", effort_name(info.effort).into()),
         ("vertices", info.vertices.into()),
         ("faces", info.faces.into()),
@@ -121,6 +122,9 @@ fn text(info: &gimc::Info, file: &str, bytes: usize, bpv: f64) -> String {
     }
     if let Some(psnr) = info.psnr {
         table.row("psnr", format!("{psnr:.2} dB"));
+    }
+    if info.method == "cgim" && info.metric == "surface" {
+        table.row("metric", "surface: vertices may have slid along it");
     }
     let exact = if info.exact { ", bit by bit" } else { "" };
     table.row("coordinates", format!("{}{exact}", precision(info)));

@@ -137,6 +137,7 @@ impl Info {
         Ok(Self {
             version: crate::format::VERSION,
             method: "gim",
+            metric: "surface",
             codec: charts::codec_name(&chunk.body),
             effort: Effort::Default,
             vertices: whole(vertices, "vertices")?,

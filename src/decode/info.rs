@@ -1,6 +1,6 @@
 //! What a file says of itself before it is decoded.
 
-use super::{Body, census};
+use super::{Body, census, slide};
 use crate::codec::j2k;
 use crate::error::{Error, Result};
 use crate::extras::{AttributeInfo, Parts};
@@ -20,6 +20,8 @@ pub struct Info {
     pub method: &'static str,
     /// How the mesh became bytes.
     pub codec: &'static str,
+    /// What the error is measured on: `vertex`, or `surface`. On a surface, vertices may have slid along it.
+    pub metric: &'static str,
     /// How much time was given for the size.
     pub effort: Effort,
     /// Vertices of the mesh.
@@ -30,7 +32,7 @@ pub struct Info {
     pub bounds: [[f64; 3]; 2],
     /// Where the lattice of the positions begins.
     pub origin: [f64; 3],
-    /// The distance of lattice points.
+    /// The distance of lattice points; where vertices slide, that along normals.
     pub step: f64,
     /// log₂ of the lattice points on the longest side of the box, if the lattice was chosen so.
     pub bits: Option<u32>,
@@ -144,7 +146,7 @@ impl Info {
                 let census = census(vertices, chunk);
                 triangles = census.closed_faces();
                 let mut later: usize = stages.iter().map(|stage| stage.clone().rest().len()).sum();
-                let cost = surface::cost(census, effort, stages.len() as u64 + 1, chunk.has_region);
+                let cost = surface::cost(census, effort, stages.len() as u64 + 1, chunk.has_region, chunk.slide.map(slide));
                 if chunk.has_region {
                     let bits = bits.filter(|_| !stages.is_empty());
                     roi = Some(RoiInfo { bytes: later as u64, psnr: None, coarser: 0, bits });
@@ -167,6 +169,7 @@ impl Info {
             Body::Mbcim { chunk, stages } => (chunk.stages.clone(), stages.len().min(chunk.stages.len())),
             Body::Planes { .. } => (Vec::new(), 0),
         };
+        let slides = matches!(body, Body::Surface { chunk, .. } if chunk.slide.is_some());
         let (mut boundaries, mut connectivity_exact, mut layers, mut normal_bits) = (None, true, None, 0);
         if let Body::Planes { chunk, .. } = body {
             (boundaries, connectivity_exact) = match chunk.borders {
@@ -194,12 +197,13 @@ impl Info {
             version: crate::format::VERSION,
             method: "cgim",
             codec,
+            metric: if slides { "surface" } else { "vertex" },
             effort,
             vertices: header.vertices,
             faces: header.faces,
             bounds: [header.corner(false), header.corner(true)],
             origin: lattice.origin,
-            step: lattice.step,
+            step: lattice.step * if slides { surface::PARTS } else { 1.0 },
             bits,
             exact: header.extras.exact,
             bound: bound(header, &stages, stages_present),

@@ -24,9 +24,9 @@ pub(crate) struct Coded {
 
 impl Coded {
     /// A surface that was walked over.
-    pub(crate) fn by_walk(walked: Walked) -> Self {
+    pub(crate) fn by_walk(walked: &Walked) -> Self {
         let first = walked.surface.real_faces().iter().map(|&f| walked.faces[f as usize]).collect();
-        Self { skin: walked.surface.skin(), order: walked.order, first }
+        Self { skin: walked.surface.skin(), order: walked.order.clone(), first }
     }
 
     /// A surface that was coded as an image: its triangles as they come back, and the vertices that theirs were.

@@ -70,13 +70,15 @@ pub(crate) enum LatticeForm {
     },
     /// Any lattice.
     Free(Lattice),
+    /// A lattice whose numbers are exactly `f32`.
+    Short(Lattice),
 }
 
 impl LatticeForm {
     /// The lattice that is meant.
     pub(crate) fn lattice(&self) -> Lattice {
         match *self {
-            Self::Free(lattice) => lattice,
+            Self::Free(lattice) | Self::Short(lattice) => lattice,
             Self::Box { bits, low, axis, high } => {
                 let side = high - low[axis];
                 let step = if side > 0.0 { side / ((1_u64 << bits) - 1) as f64 } else { 1.0 };
@@ -86,9 +88,10 @@ impl LatticeForm {
     }
 }
 
-/// The first byte of a lattice: 0–2 a box by its longest axis, in `f32`; 3–5 the same in `f64`; 6 free.
+/// The first byte of a lattice: 0–2 a box by its longest axis, in `f32`; 3–5 the same in `f64`; 6 free; 7 the same in `f32`.
 const BOX_F64: u8 = 3;
 const FREE: u8 = 6;
+const SHORT: u8 = 7;
 
 impl Header {
     pub(crate) const TAG: [u8; 4] = *b"HEAD";
@@ -123,6 +126,10 @@ impl Header {
                 w.u8(FREE);
                 origin.into_iter().chain([step]).for_each(|x| w.f64(x));
                 self.low.into_iter().for_each(|q| w.signed(q));
+            }
+            LatticeForm::Short(Lattice { origin, step }) => {
+                w.u8(SHORT);
+                origin.into_iter().chain([step]).for_each(|x| w.f32(x as f32));
             }
         }
         self.extent.into_iter().for_each(|e| w.varint(e as u64));
@@ -163,7 +170,12 @@ impl Header {
                 }
                 LatticeForm::Free(Lattice { origin, step })
             }
-            other => return Err(r.error(format!("a lattice of form 0 to {FREE}, found {other}"))),
+            SHORT => {
+                let mut number = |what| r.f32(what).map(f64::from);
+                let origin = [number("the origin")?, number("the origin")?, number("the origin")?];
+                LatticeForm::Short(Lattice { origin, step: number("the step")? })
+            }
+            other => return Err(r.error(format!("a lattice of form 0 to {SHORT}, found {other}"))),
         };
         let mut extent = [0; 3];
         for e in &mut extent {

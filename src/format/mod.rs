@@ -34,7 +34,7 @@ pub(crate) use recipe::RecipeChunk;
 pub(crate) use stage::STAGE;
 #[cfg(feature = "encode")]
 pub(crate) use surface::write_stage;
-pub(crate) use surface::{SurfaceChunk, read_stage};
+pub(crate) use surface::{SlideField, SurfaceChunk, read_stage};
 
 /// The order that a mesh had (spec/any-mesh.md, "ORDR"); the payload is one stream.
 pub(crate) const ORDER_TAG: [u8; 4] = *b"ORDR";

@@ -1,6 +1,6 @@
 //! What a caller may choose for geometry images.
 
-use super::{Accuracy, Codec, EncodeOptions, ImageChoices, J2kChoices, Method};
+use super::{Accuracy, Codec, EncodeOptions, ImageChoices, J2kChoices, Method, Metric};
 use crate::error::{Error, Result};
 pub use crate::gim::{Border, Param, Sampling};
 
@@ -73,8 +73,10 @@ impl EncodeOptions {
         let refuse = |why: &str| Err(Error::Parameter(why.into()));
         match self.method {
             Method::Cgim if self.codec == Codec::Wavelet => Err(self.codec.not_for_meshes()),
-            Method::Cgim if matches!(self.accuracy, Accuracy::Psnr(_) | Accuracy::Size(_)) => {
-                refuse("this target is for the method gim; exact connectivity takes bits, a step or an error")
+            Method::Cgim if self.metric == Metric::Vertex && matches!(self.accuracy, Accuracy::Psnr(_) | Accuracy::Size(_)) => {
+                refuse(
+                    "this target is for the metric surface or the method gim; the metric vertex takes bits, a step or an error",
+                )
             }
             Method::Cgim if self.gim != GimChoices::default() => refuse("these choices are for geometry images (method gim)"),
             Method::Gim if matches!(self.codec, Codec::Surface | Codec::Mbcim) => refuse(

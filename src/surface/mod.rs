@@ -6,6 +6,7 @@
 
 pub(crate) mod attributes;
 pub(crate) mod exact;
+mod filter;
 mod gates;
 pub(crate) mod labels;
 mod learned;
@@ -17,6 +18,8 @@ mod plain;
 pub(crate) mod records;
 mod region;
 pub(crate) mod renumber;
+#[cfg(feature = "encode")]
+mod slide;
 mod stretch;
 mod topology;
 mod valence;
@@ -27,7 +30,12 @@ pub(crate) use region::middle;
 pub(crate) use topology::Filled;
 pub(crate) use topology::{Census, Skin, Surface};
 
-use self::stretch::{Coarse, Stretch};
+pub(crate) use self::filter::Filter;
+#[cfg(feature = "encode")]
+pub(crate) use self::learned::Hold;
+#[cfg(feature = "encode")]
+pub(crate) use self::slide::{Slid, Wishes, slide};
+use self::stretch::{Coarse, Sliding, Stretch};
 use crate::entropy::{BitCoder, BitReader, BitWriter};
 use crate::error::Result;
 use crate::limits::Budget;
@@ -71,17 +79,38 @@ pub(crate) struct Walked {
 
 /// Ranges of vertices (those of holes included) that are coded independently of each other.
 pub(crate) fn ranges(census: Census) -> Vec<std::ops::Range<u32>> {
-    let vertices = census.vertices + census.holes;
+    ranges_of(census.vertices + census.holes)
+}
+
+fn ranges_of(vertices: u32) -> Vec<std::ops::Range<u32>> {
     let count = vertices.div_ceil(VERTICES_A_STREAM).max(1);
     let at = |i: u32| (u64::from(vertices) * u64::from(i) / u64::from(count)) as u32;
     (0..count).map(|i| at(i)..at(i + 1)).collect()
 }
 
+/// Parts of a step that positions of sliding vertices are whole numbers of.
+pub(crate) const PARTS: f64 = learned::PARTS;
+/// Without a limit of its own, a step across the normal is √2 to the power of this times longer, at most.
+pub(crate) const LONGEST_STRETCH: u8 = learned::LONGEST_STRETCH;
+
+/// How vertices slide along the surface, as a file says it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Slide {
+    /// Whether the step along the normal becomes finer where edges are short.
+    pub(crate) fine: bool,
+    /// √2 to the power of this is how many times longer than that the other steps may be.
+    pub(crate) longest: u8,
+    /// What smooths the surface after all positions are known.
+    pub(crate) filter: Option<Filter>,
+}
+
 /// Memory and steps that reading so many stages takes at most.
-pub(crate) fn cost(census: Census, effort: Effort, stages: u64, has_region: bool) -> (u64, u64) {
+pub(crate) fn cost(census: Census, effort: Effort, stages: u64, has_region: bool, slide: Option<Slide>) -> (u64, u64) {
     let vertices = u64::from(census.vertices) + u64::from(census.holes);
     let region = if has_region { memory_of_region(census) } else { 0 };
-    (walk::memory(census) + memory(census, effort) + region, vertices * (6 + stages * learned::STEPS_A_VERTEX))
+    let filter = if slide.is_some_and(|s| s.filter.is_some()) { Filter::STEPS_A_VERTEX } else { 0 };
+    let steps = vertices * (6 + filter + stages * learned::STEPS_A_VERTEX);
+    (walk::memory(census) + memory(census, effort, slide) + region, steps)
 }
 
 fn memory_of_region(census: Census) -> u64 {
@@ -90,7 +119,7 @@ fn memory_of_region(census: Census) -> u64 {
 }
 
 /// Memory that reading positions takes at most, all ranges at once.
-fn memory(census: Census, effort: Effort) -> u64 {
+fn memory(census: Census, effort: Effort, slide: Option<Slide>) -> u64 {
     let vertices = u64::from(census.vertices) + u64::from(census.holes);
     let range = match effort {
         Effort::Fast => plain::memory,
@@ -99,7 +128,8 @@ fn memory(census: Census, effort: Effort) -> u64 {
     };
     // Each position three times: of the stage before, of this by ranges, and in one piece.
     let shared = 3 * size_of::<[i32; 3]>() + size_of::<u32>() + learned::Degrees::BYTES;
-    vertices * shared as u64 + ranges(census).iter().map(|r| range(r.len())).sum::<u64>()
+    let filter = if slide.is_some_and(|s| s.filter.is_some()) { Filter::BYTES_A_VERTEX } else { 0 };
+    vertices * (shared as u64 + filter) + ranges(census).iter().map(|r| range(r.len())).sum::<u64>()
 }
 
 /// How a surface is written.
@@ -123,6 +153,17 @@ impl Plan<'_> {
     }
 }
 
+/// Walks over a surface: its connectivity as a stream.
+#[cfg(feature = "encode")]
+pub(crate) fn trace(filled: &Filled, effort: Effort, task: Task<'_>) -> Result<(Vec<u8>, Walked)> {
+    let mut budget = Budget::new(crate::Limits::default().memory(u64::MAX).work(u64::MAX).vertices(u64::MAX));
+    let mut coder = BitWriter::default();
+    let mut guide = original::Original::new(filled);
+    let surface = walk::walk(&mut coder, &mut guide, filled.census, effort, &mut budget, task)?;
+    let original::Original { order, faces, .. } = guide;
+    Ok((coder.finish(), Walked { surface, order, faces }))
+}
+
 /// Writes a surface, and the lattice positions of its vertices (`positions[v]` of vertex v of the mesh). `inside` says of each vertex
 /// whether the later stage is for it, if not for all.
 #[cfg(feature = "encode")]
@@ -135,13 +176,7 @@ pub(crate) fn write(
     task: Task<'_>,
 ) -> Result<(Streams, Walked)> {
     let effort = plan.effort;
-    let mut budget = Budget::new(crate::Limits::default().memory(u64::MAX).work(u64::MAX).vertices(u64::MAX));
-    let mut coder = BitWriter::default();
-    let mut guide = original::Original::new(filled);
-    let surface = walk::walk(&mut coder, &mut guide, filled.census, effort, &mut budget, task)?;
-    let original::Original { order, faces, .. } = guide;
-    let connectivity = coder.finish();
-
+    let (connectivity, Walked { surface, order, faces }) = trace(filled, effort, task)?;
     let mut met = order.iter();
     let local: Vec<[i32; 3]> = surface
         .is_hole
@@ -197,6 +232,8 @@ pub(crate) fn write(
 #[derive(Debug)]
 pub(crate) struct Coded<'a> {
     pub(crate) plan: Plan<'a>,
+    /// How vertices slide, if they may; then there are no stages.
+    pub(crate) slide: Option<Slide>,
     pub(crate) census: Census,
     pub(crate) extent: [i32; 3],
     pub(crate) connectivity: &'a [u8],
@@ -207,12 +244,12 @@ pub(crate) struct Coded<'a> {
 /// Reads what [`write`] wrote, as far as there are stages: the surface, and the lattice position of each of its
 /// vertices in order.
 pub(crate) fn read(coded: &Coded<'_>, budget: &mut Budget, task: Task<'_>) -> Result<(Surface, Vec<[i32; 3]>)> {
-    let &Coded { plan, census, extent, .. } = coded;
+    let &Coded { plan, census, extent, slide, .. } = coded;
     struct Unknown;
     impl walk::Guide for Unknown {}
     let surface = walk::walk(&mut BitReader::new(coded.connectivity), &mut Unknown, census, plan.effort, budget, task)?;
     let vertices = surface.is_hole.len();
-    budget.reserve(memory(census, plan.effort))?;
+    budget.reserve(memory(census, plan.effort, slide))?;
     let all = Positions::new(&surface, plan.effort);
     let only;
     let mut some = None;
@@ -236,6 +273,7 @@ pub(crate) fn read(coded: &Coded<'_>, budget: &mut Budget, task: Task<'_>) -> Re
             let range = ranges[i].start as usize..ranges[i].end as usize;
             let mut stretch = coder.stretch(ranges[i].clone(), extent.map(|e| e >> rest));
             stretch.coarse = (shift > 0).then(|| Coarse { shift, positions: &known[range.clone()] });
+            stretch.sliding = slide.map(|slide| Sliding { fine: slide.fine, longest: slide.longest, aim: Default::default() });
             let mut bits = BitReader::new(streams[i]);
             coder.code(&mut bits, stretch, &mut finer, task)?;
             if later.is_some() {
@@ -248,6 +286,10 @@ pub(crate) fn read(coded: &Coded<'_>, budget: &mut Budget, task: Task<'_>) -> Re
         });
         known = parts.into_iter().collect::<Result<Vec<_>>>()?.concat();
         missing = rest;
+    }
+    if let Some(Slide { filter: Some(filter), .. }) = slide {
+        budget.spend(vertices as u64 * Filter::STEPS_A_VERTEX)?;
+        known = filter.apply(&surface, &all.outgoing, &known, extent);
     }
     let mut is_hole = surface.is_hole.iter();
     known.retain(|_| is_hole.next() == Some(&false));
@@ -276,7 +318,7 @@ impl<'a> Positions<'a> {
 
     fn stretch(&self, range: std::ops::Range<u32>, extent: [i32; 3]) -> Stretch<'_> {
         let Self { surface, outgoing, .. } = self;
-        Stretch { surface, outgoing, range, extent, palettes: [false; 3], coarse: None }
+        Stretch { surface, outgoing, range, extent, palettes: [false; 3], coarse: None, sliding: None }
     }
 
     fn code<C: BitCoder>(&self, coder: &mut C, stretch: Stretch<'_>, positions: &mut [[i32; 3]], task: Task<'_>) -> Result<()> {

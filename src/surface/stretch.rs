@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+#[cfg(feature = "encode")]
+use super::learned::Aim;
 use super::topology::Surface;
 
 /// Vertices `range` of a surface, which are coded without a look at any others.
@@ -17,6 +19,22 @@ pub(super) struct Stretch<'a> {
     pub(super) palettes: [bool; 3],
     /// What the stage before said of the positions, in all stages but the first.
     pub(super) coarse: Option<Coarse<'a>>,
+    /// How vertices slide along the surface, if they may.
+    pub(super) sliding: Option<Sliding<'a>>,
+}
+
+/// How vertices slide along the surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sliding<'a> {
+    /// Whether the step along the normal becomes finer where edges are short.
+    pub(super) fine: bool,
+    /// √2 to the power of this is how many times longer than that the other steps may be.
+    pub(super) longest: u8,
+    /// What a writer aims at.
+    #[cfg(feature = "encode")]
+    pub(super) aim: Option<&'a Aim>,
+    #[cfg(not(feature = "encode"))]
+    pub(super) aim: std::marker::PhantomData<&'a ()>,
 }
 
 /// Positions on a coarser lattice: of each coordinate all but the lowest `shift` bits.

@@ -17,6 +17,7 @@ mod resize;
 mod robustness;
 mod roi;
 mod roundtrip;
+mod sliding;
 mod spec;
 mod stages;
 mod sweep;

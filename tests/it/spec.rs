@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gimc::{Decoder, Effort, EncodeOptions, Mesh};
+use gimc::{Decoder, Effort, EncodeOptions, Mesh, Metric};
 
 const EFFORTS: [(&str, Effort); 3] = [("fast", Effort::Fast), ("default", Effort::Default), ("best", Effort::Best)];
 
@@ -13,6 +13,18 @@ const EFFORTS: [(&str, Effort); 3] = [("fast", Effort::Fast), ("default", Effort
 fn tetrahedron() -> Mesh {
     let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mut mesh = Mesh::from_triangles(positions, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]);
+    mesh.precision = gimc::Scalar::F32;
+    mesh
+}
+
+/// A bent sheet of 7 × 7 vertices, whose inner ones may slide and are filtered.
+fn slid_sheet() -> Mesh {
+    let at = |i: u32| [f64::from(i % 7), f64::from(i / 7), 0.125 * f64::from((i % 7) * (i / 7))];
+    let faces = (0..36).flat_map(|i| {
+        let a = i % 6 + i / 6 * 7;
+        [[a, a + 1, a + 8], [a, a + 8, a + 7]]
+    });
+    let mut mesh = Mesh::from_triangles((0..49).map(at).collect(), faces);
     mesh.precision = gimc::Scalar::F32;
     mesh
 }
@@ -74,6 +86,13 @@ fn every_vector_is_what_the_encoder_writes_and_decodes_to_the_text_beside_it() {
         let text = kept(&format!("vectors/tetrahedron_{name}.txt"), mesh.as_bytes());
         assert_eq!(String::from_utf8(text).unwrap(), mesh, "{name}");
     }
+    let mesh = slid_sheet();
+    let made = EncodeOptions::cgim().step(0.125).metric(Metric::Surface).encode(&mesh).unwrap();
+    let bytes = kept("vectors/sheet_surface.gimc", &made);
+    assert_eq!(bytes, made, "the sheet");
+    let decoded = as_text(&Decoder::new(&bytes).unwrap().decode().unwrap());
+    let text = kept("vectors/sheet_surface.txt", decoded.as_bytes());
+    assert_eq!(String::from_utf8(text).unwrap(), decoded, "the sheet");
 }
 
 /// A change of the stream that was not meant shows here, and a platform that computes otherwise.
@@ -88,6 +107,11 @@ fn the_corpus_encodes_to_the_bytes_whose_checksums_are_on_record() {
         for (effort_name, effort) in EFFORTS {
             let bytes = encode(&mesh, 11, effort);
             table += &format!("{name} 11 {effort_name} {} {:016x}\n", bytes.len(), fnv1a(&bytes));
+        }
+        for (effort_name, effort) in &EFFORTS[1..] {
+            let options = EncodeOptions::cgim().bits(11).effort(*effort).metric(Metric::Surface);
+            let bytes = options.encode(&mesh).unwrap();
+            table += &format!("{name} 11 {effort_name},surface {} {:016x}\n", bytes.len(), fnv1a(&bytes));
         }
     }
     let record = String::from_utf8(kept("vectors/checksums.txt", table.as_bytes())).unwrap();

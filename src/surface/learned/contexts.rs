@@ -5,12 +5,13 @@
 //! coordinates of known points nearby, and simple extrapolations of them, lie on the lattice (or in
 //! the palette), counted from the expected value.
 
-use super::density::SCALE;
+use super::Scene;
+use super::density::{Logistic, SCALE};
+use super::frame::Frame;
 use super::math::ln;
 use super::ring::{Gate, Ring};
 use super::vector::Vector;
 use super::window::Window;
-use super::{Forecast, Scene};
 use crate::entropy::hash;
 
 /// Contexts of effort `default`.
@@ -59,7 +60,10 @@ impl Landmarks {
 
 /// What is known when one coordinate is coded.
 pub(super) struct Moment<'a> {
-    pub(super) forecast: &'a Forecast,
+    /// The forecast's second mean, whatever the coordinates before.
+    pub(super) base: f64,
+    /// The lattice of the vertex, where vertices slide.
+    pub(super) frame: Option<&'a Frame>,
     pub(super) landmarks: &'a Landmarks,
     /// What the coordinate can be.
     pub(super) window: Window<'a>,
@@ -85,11 +89,20 @@ impl Moment<'_> {
     }
 
     fn offset_of(&self, point: Option<Vector>) -> u32 {
-        point.map_or(ABSENT, |p| self.offset(p[self.axis]))
+        point.map_or(ABSENT, |p| self.offset(self.coordinate(p)))
     }
 
-    /// Where between its two edges the expected value lies, in eighths.
+    /// Where a point lies on the axis.
+    fn coordinate(&self, point: Vector) -> f64 {
+        self.frame.map_or(point[self.axis], |frame| frame.coordinate(point, self.axis))
+    }
+
+    /// Where between its two edges the expected value lies, in eighths. A vertex that slides is expected in the middle:
+    /// there it is how flat the surface is.
     fn fraction(&self) -> u32 {
+        if let Some(frame) = self.frame {
+            return frame.flatness;
+        }
         let (low, high) = (self.window.edge(self.centre), self.window.edge(self.centre + 1));
         if low.is_finite() && high.is_finite() {
             ((self.means[0] - low) / (high - low) * 8.0).floor().clamp(0.0, 7.0) as u32
@@ -104,10 +117,10 @@ impl Moment<'_> {
         let half_octave = octaves(self.deviation, 2.0);
         let fraction = self.fraction();
         let surprised = [0.25, 0.6, 1.2, 2.2].iter().filter(|&&z| self.surprise >= z).count() as u32;
-        let mean = self.forecast.means[1][self.axis];
+        let mean = self.base;
         let half_step = ((mean - mean.floor()) * 2.0 + 0.01).floor() as u32;
         let base = self.offset(mean);
-        let [a, b, d] = self.landmarks.ends.map_or([ABSENT; 3], |ends| ends.map(|p| self.offset(p[self.axis])));
+        let [a, b, d] = self.landmarks.ends.map_or([ABSENT; 3], |ends| ends.map(|p| self.offset(self.coordinate(p))));
         let [first, last] = &self.landmarks.gates;
         let [p, q] = [first, last].map(|g| self.offset_of(g.parallelogram));
         let [behind_a, behind_b] = first.behind.map(|p| self.offset_of(p));
@@ -141,9 +154,18 @@ impl Moment<'_> {
         contexts
     }
 
-    /// The width of the logistic density to expect.
-    pub(super) fn width(&self) -> f64 {
-        (self.deviation * SCALE).max(0.04)
+    /// The densities to expect.
+    pub(super) fn densities<const E: usize>(&self) -> [Logistic; E] {
+        let (means, width) = (self.means, (self.deviation * SCALE).max(0.04));
+        let all = [
+            Logistic { centre: means[0], width },
+            Logistic { centre: means[0], width: (width * 0.5).max(0.03) },
+            Logistic { centre: means[0], width: width * 2.2 },
+            Logistic { centre: means[1], width: width * 1.2 },
+        ];
+        let mut densities = [Logistic::default(); E];
+        densities.copy_from_slice(&all[..E]);
+        densities
     }
 }
 

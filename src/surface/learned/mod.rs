@@ -8,11 +8,14 @@
 //! Everything a reader must repeat is + − × ÷ √ on `f64` in a fixed order. spec/surface.md,
 //! "Positions, learned".
 
+#[cfg(feature = "encode")]
+mod aim;
 mod around;
 mod contexts;
 mod coordinate;
 mod density;
 mod features;
+mod frame;
 mod least_squares;
 mod local;
 mod math;
@@ -20,17 +23,23 @@ mod palette;
 mod quadric;
 mod ring;
 mod scale;
+mod slide;
 #[cfg(test)]
 mod tests;
 mod trained;
 mod vector;
 mod window;
 
+#[cfg(feature = "encode")]
+pub(in crate::surface) use self::aim::Aim;
+#[cfg(feature = "encode")]
+pub(crate) use self::aim::Hold;
 use self::around::{Around, Suggestions};
 use self::contexts::{Landmarks, Moment};
 use self::coordinate::Coordinates;
-use self::density::Logistic;
 use self::features::View;
+use self::frame::Frame;
+pub(in crate::surface) use self::frame::{LONGEST_STRETCH, PARTS, snap};
 use self::least_squares::LeastSquares;
 use self::local::Local;
 use self::math::cot;
@@ -40,10 +49,10 @@ pub(in crate::surface) use self::palette::choices;
 use self::ring::{Gate, Ring, Sums};
 use self::scale::{Expected, Scale};
 use self::trained::Start;
-use self::vector::Vector;
+pub(in crate::surface) use self::vector::Vector;
 use self::window::Window;
 use super::order::Order;
-use super::stretch::{Coarse, Stretch};
+use super::stretch::{Coarse, Sliding, Stretch};
 use super::topology::Surface;
 use crate::entropy::BitCoder;
 use crate::error::{Error, Place, Result};
@@ -195,6 +204,9 @@ pub(super) struct Coder<'a, const F: usize, const L: usize, const N: usize, cons
     coarse: Option<Coarse<'a>>,
     /// In all stages but the first.
     around: Option<Around>,
+    /// Where vertices slide.
+    sliding: Option<Sliding<'a>>,
+    extent: [i32; 3],
     sums: Sums,
     quadrics: quadric::Fit,
     ring: Ring,
@@ -233,6 +245,8 @@ struct Forecast {
     normal: Vector,
     /// Expected |residual| across the normal and along it.
     scale: [f64; 2],
+    /// The lattice of the vertex, where vertices slide.
+    frame: Option<Frame>,
 }
 
 /// Memory that [`code_lean`] takes for so many vertices.
@@ -290,6 +304,9 @@ fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: us
     let holes = &stretch.surface.is_hole[first as usize..];
     let real = || positions.iter().zip(holes).filter(|(_, hole)| !**hole).map(|(p, _)| *p);
     let mut values = [0, 1, 2].map(|axis| {
+        if stretch.sliding.is_some() {
+            return Some(Values::Around { most: slide::farthest(stretch.extent) });
+        }
         let (extent, as_palette) = (stretch.extent[axis], stretch.palettes[axis]);
         Values::code(coder, extent, positions.len(), as_palette, real().map(|p| p[axis]))
     });
@@ -322,16 +339,20 @@ fn code<C: BitCoder, const F: usize, const L: usize, const N: usize, const E: us
 
 impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'a, F, L, N, E> {
     fn new(stretch: Stretch<'a>, degrees: &'a Degrees, values: [Values; 3], start: &Start<F, N, E>) -> Self {
-        let Stretch { surface, outgoing, range, extent, coarse, .. } = stretch;
+        let Stretch { surface, outgoing, range, extent, coarse, sliding, .. } = stretch;
         let len = range.len();
+        let scale = if sliding.is_some() { Scale::in_units } else { Scale::new };
+        let widest = f64::from(extent.into_iter().max().unwrap_or(0)) / if sliding.is_some() { PARTS } else { 1.0 };
         Self {
+            sliding,
+            extent,
             coarse,
             around: coarse.map(|_| Around::new(start.predictions.len())),
             sums: Sums::new(&range),
             quadrics: quadric::Fit::new(&range),
             ring: Ring::default(),
             weights: start.predictions.iter().map(|w| LeastSquares::new(*w, 0.9995, 0.03)).collect(),
-            scales: start.scales.iter().map(|w| Scale::new(*w)).collect(),
+            scales: start.scales.iter().map(|w| scale(*w)).collect(),
             coordinates: Coordinates::new(len, start.mixing),
             values,
             local: Local::new(len),
@@ -348,7 +369,7 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
                     .map_or(vec![Vector::ZERO; len], |c| c.positions.iter().map(|p| Vector(c.middle(*p))).collect()),
                 residuals: vec![Vector::ZERO; len],
                 errors: vec![[0.0; 2]; len],
-                largest: f64::from(extent.into_iter().max().unwrap_or(0)) + 1.0,
+                largest: widest + 1.0,
                 order: Order::new(surface, outgoing, range),
             },
         }
@@ -362,9 +383,20 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
             forecast.means.iter().for_each(|mean| coder.watch(|| mean[axis]));
         }
         forecast.scale.iter().for_each(|&scale| coder.watch(|| scale));
-        let cell = self.coarse.map(|c| Cell { place: c.positions[(v - self.scene.first) as usize], shift: c.shift });
-        let position = self.coordinates(coder, &forecast, cell, position)?;
-        self.learn(&forecast, v, Vector(position.map(f64::from)));
+        let position = if let Some(frame) = &forecast.frame {
+            #[cfg(feature = "encode")]
+            let offsets = if C::WRITES { self.offsets(&forecast, frame, v) } else { [0; 3] };
+            #[cfg(not(feature = "encode"))]
+            let offsets = [0; 3];
+            let position = frame.position(self.places(coder, &forecast, frame, offsets)?, self.extent);
+            self.learn(&forecast, v, Vector(position.map(|x| f64::from(x) / PARTS)));
+            position
+        } else {
+            let cell = self.coarse.map(|c| Cell { place: c.positions[(v - self.scene.first) as usize], shift: c.shift });
+            let position = self.coordinates(coder, &forecast, cell, position)?;
+            self.learn(&forecast, v, Vector(position.map(f64::from)));
+            position
+        };
         Some(position)
     }
 
@@ -379,6 +411,7 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
                 (None, None) => (Vector([largest / 2.0; 3]), largest / 4.0),
             };
             let scale = [0.6 * length; 2].map(|s| s.clamp(0.05, largest.max(0.05)));
+            let frame = self.sliding.map(|_| Frame { centre: self.in_box(base), ..Frame::plain() });
             return Forecast {
                 class: 0,
                 suggestions: None,
@@ -386,9 +419,10 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
                 expected: None,
                 shift: Vector::ZERO,
                 nearby: Vector::ZERO,
-                means: [base; 3],
+                means: [frame.map_or(base, |frame| frame.centre), base, base],
                 normal: Vector([0.0, 0.0, 1.0]),
                 scale,
+                frame,
             };
         }
         let view = features::view::<F>(scene, ring, &self.sums, &mut self.quadrics, v);
@@ -403,7 +437,9 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
         if !(size <= scene.largest) {
             shift = Vector::ZERO;
         }
-        let expected = self.scales[class].expect(scene, ring, &view, shift.length(), v);
+        let mut frame = self.sliding.map(|sliding| Frame::new(scene, ring, &view, v, &sliding));
+        let units = frame.map_or([1.0; 2], |frame| [frame.steps[0], frame.steps[2]]);
+        let expected = self.scales[class].expect(scene, ring, &view, shift.length(), units, v);
         let longest = 2.0 * expected.across + 1.0;
         let nearby = self.local.suggest(scene, self.quadrics.points(), &view, class, longest);
         let mut blended = shift;
@@ -417,9 +453,14 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
             prediction = around.correct(class, &suggestions, view.length, scene.largest);
             suggestions
         });
+        if let Some(frame) = &mut frame {
+            frame.centre = self.in_box(prediction);
+            prediction = frame.centre;
+        }
         Forecast {
             class,
             means: [prediction, view.base, view.by_valence],
+            frame,
             suggestions,
             shift,
             nearby,
@@ -480,7 +521,8 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
             };
             let centre = window.nearest(means[0]);
             let moment = Moment {
-                forecast,
+                base: forecast.means[1][axis],
+                frame: None,
                 landmarks: &landmarks,
                 window,
                 axis,
@@ -492,15 +534,7 @@ impl<'a, const F: usize, const L: usize, const N: usize, const E: usize> Coder<'
                 last: self.last,
                 last_of_axis: self.last_of_axis[axis],
             };
-            let width = moment.width();
-            let all = [
-                Logistic { centre: means[0], width },
-                Logistic { centre: means[0], width: (width * 0.5).max(0.03) },
-                Logistic { centre: means[0], width: width * 2.2 },
-                Logistic { centre: means[1], width: width * 1.2 },
-            ];
-            let mut densities = [Logistic::default(); E];
-            densities.copy_from_slice(&all[..E]);
+            let densities = moment.densities::<E>();
             let index = if C::WRITES { window.index(position[axis]) } else { 0 };
             let index = self.coordinates.code(coder, index, centre, window, &densities, moment.contexts(), rank);
             coded[axis] = window.value(index)?;

@@ -19,6 +19,11 @@ pub(super) enum Values {
     },
     /// A list.
     Palette(Vec<i32>),
+    /// All integers of `-most..=most`: places on a lattice that is centred at what is expected.
+    Around {
+        /// The largest value.
+        most: i64,
+    },
 }
 
 /// A palette is taken to save this share of what shorter indices promise; the rest is had without one. What all shares
@@ -91,7 +96,7 @@ impl Values {
     #[inline]
     pub(super) fn edge(&self, index: i64) -> f64 {
         match self {
-            Self::All { .. } => index as f64 - 0.5,
+            Self::All { .. } | Self::Around { .. } => index as f64 - 0.5,
             Self::Palette(list) => 0.5 * (f64::from(list[index as usize - 1]) + f64::from(list[index as usize])),
         }
     }
@@ -102,6 +107,7 @@ impl Values {
         match self {
             // `as` takes anything that is no number to 0.
             Self::All { extent } => ((x + 0.5).floor() as i64).clamp(0, *extent),
+            Self::Around { most } => ((x + 0.5).floor() as i64).clamp(-most, *most),
             Self::Palette(list) => {
                 let above = list.partition_point(|&v| f64::from(v) < x);
                 match (above.checked_sub(1).map(|i| list[i]), list.get(above)) {
@@ -117,7 +123,7 @@ impl Values {
     #[inline]
     pub(super) fn index(&self, value: i32) -> i64 {
         match self {
-            Self::All { .. } => value.into(),
+            Self::All { .. } | Self::Around { .. } => value.into(),
             Self::Palette(list) => list.partition_point(|&v| v < value) as i64,
         }
     }
@@ -127,15 +133,22 @@ impl Values {
     pub(super) fn value(&self, index: i64) -> Option<i32> {
         match self {
             Self::All { extent } => (0..=*extent).contains(&index).then_some(index as i32),
+            Self::Around { most } => (-most..=*most).contains(&index).then_some(index as i32),
             Self::Palette(list) => usize::try_from(index).ok().and_then(|i| list.get(i)).copied(),
         }
+    }
+
+    /// The index of the first value.
+    #[inline]
+    pub(super) fn first(&self) -> i64 {
+        if let Self::Around { most } = self { -most } else { 0 }
     }
 
     /// The index of the last value.
     #[inline]
     pub(super) fn last(&self) -> i64 {
         match self {
-            Self::All { extent } => *extent,
+            Self::All { extent: last } | Self::Around { most: last } => *last,
             Self::Palette(list) => list.len() as i64 - 1,
         }
     }
@@ -145,6 +158,7 @@ impl Values {
     pub(super) fn first_from(&self, x: i64) -> i64 {
         match self {
             Self::All { extent } => x.clamp(0, extent + 1),
+            Self::Around { most } => x.clamp(-most, most + 1),
             Self::Palette(list) => list.partition_point(|&v| i64::from(v) < x) as i64,
         }
     }

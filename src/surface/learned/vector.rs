@@ -3,30 +3,30 @@
 use std::ops::{Add, AddAssign, Index, Mul, Sub};
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Vector(pub(super) [f64; 3]);
+pub(in crate::surface) struct Vector(pub(in crate::surface) [f64; 3]);
 
 impl Vector {
-    pub(super) const ZERO: Self = Self([0.0; 3]);
+    pub(in crate::surface) const ZERO: Self = Self([0.0; 3]);
 
     #[inline]
-    pub(super) fn dot(self, o: Self) -> f64 {
+    pub(in crate::surface) fn dot(self, o: Self) -> f64 {
         self.0[0] * o.0[0] + self.0[1] * o.0[1] + self.0[2] * o.0[2]
     }
 
     #[inline]
-    pub(super) fn cross(self, o: Self) -> Self {
+    pub(in crate::surface) fn cross(self, o: Self) -> Self {
         let ([a, b, c], [x, y, z]) = (self.0, o.0);
         Self([b * z - c * y, c * x - a * z, a * y - b * x])
     }
 
     #[inline]
-    pub(super) fn length(self) -> f64 {
+    pub(in crate::surface) fn length(self) -> f64 {
         self.dot(self).sqrt()
     }
 
     /// The part of it across the unit vector `n`.
     #[inline]
-    pub(super) fn tangential(self, n: Self) -> Self {
+    pub(in crate::surface) fn tangential(self, n: Self) -> Self {
         self - n * self.dot(n)
     }
 }

@@ -15,7 +15,7 @@ pub(super) struct Window<'a> {
 impl<'a> Window<'a> {
     /// All values.
     pub(super) fn all(values: &'a Values) -> Self {
-        Self { values, low: 0, high: values.last() }
+        Self { values, low: values.first(), high: values.last() }
     }
 
     /// The values of the cell `cell · 2^shift ..= cell · 2^shift + 2^shift − 1`; `None` if there are none.
