@@ -18,7 +18,7 @@ pub fn points_png(image: &GeometryImage) -> Result<Vec<u8>> {
 /// # Errors
 /// An image that is too large for a picture.
 pub fn normals_png(image: &GeometryImage) -> Result<Vec<u8>> {
-    write_png(&normals(image, |_| true)?)
+    write_png(&normals(image, |_, bright| bright)?)
 }
 
 /// The normals as a picture, black where a sample is not `inside`: what a region of interest became, and one to be read as such.
@@ -29,10 +29,10 @@ pub fn roi_png(image: &GeometryImage, inside: &[bool]) -> Result<Vec<u8>> {
     if inside.len() != image.points().len() {
         return Err(Error::Parameter(format!("{} samples of a region in an image of {}", inside.len(), image.shape())));
     }
-    write_png(&normals(image, |at| inside[at])?)
+    write_png(&normals(image, |at, bright| if inside[at] { bright.max(1) } else { 0 })?)
 }
 
-fn normals(image: &GeometryImage, is_inside: impl Fn(usize) -> bool) -> Result<Planes> {
+fn normals(image: &GeometryImage, shade: impl Fn(usize, i32) -> i32) -> Result<Planes> {
     let of_vertices = vertex_normals(&charts::mesh(&[image], Scalar::F64)?);
     let mut normals = vec![[0.0; 3]; image.points().len()];
     charts::surface(image).0.iter().zip(of_vertices).for_each(|(&at, normal)| normals[at as usize] = normal);
@@ -40,7 +40,7 @@ fn normals(image: &GeometryImage, is_inside: impl Fn(usize) -> bool) -> Result<P
     let plane = |i: usize| {
         let sample = |(at, &of): (usize, &u32)| {
             let bright = ((normals[of as usize][i] + 1.0) * 127.5 + 0.5).clamp(0.0, 255.0) as i32;
-            if is_inside(at) { bright.max(1) } else { 0 }
+            shade(at, bright)
         };
         Plane::new(image.shape(), 8, of.iter().enumerate().map(sample).collect())
     };

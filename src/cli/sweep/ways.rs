@@ -27,6 +27,12 @@ pub(super) const WAYS: &[Way] = &[
     Way { name: "surface", fixed: "", along: Along::Bits, about: "connectivity kept, the default codec; over --bits" },
     Way { name: "surface-fast", fixed: "--effort fast", along: Along::Bits, about: "the same with less time; over --bits" },
     Way { name: "surface-best", fixed: "--effort best", along: Along::Bits, about: "the same with more time; over --bits" },
+    Way {
+        name: "surface-metric",
+        fixed: "--metric surface",
+        along: Along::Psnr,
+        about: "connectivity kept, vertices may slide along the surface; over --psnr",
+    },
     Way { name: "mbcim", fixed: "--codec mbcim", along: Along::Bits, about: "as base colours and index map; over --bits" },
     Way { name: "raw", fixed: "--codec raw", along: Along::Bits, about: "as an image, sample by sample; over --bits" },
     Way { name: "exr", fixed: "--codec exr", along: Along::Bits, about: "as an OpenEXR picture; over --bits" },
