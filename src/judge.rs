@@ -4,7 +4,7 @@
 
 use crate::distance::{Frame, SampleOptions, Sampled, Surface, certify, sample, sample_spread};
 use crate::error::{Error, MeshDefect, Result};
-use crate::geom::Aabb;
+use crate::geom::{Aabb, PLACES};
 use crate::mesh::{Mesh, Region};
 use crate::par;
 use crate::task::Task;
@@ -41,16 +41,6 @@ const SAMPLES: usize = 200_000;
 const SAMPLES_A_TRIANGLE: usize = 10;
 /// What a search takes of the surface with more: psnr by these is right to some hundredths of a dB.
 const FEW_SAMPLES: usize = 60_000;
-/// Points of a face that are looked at where faces are found that are too far off, by the weights of its corners.
-const LOOKED_AT: [[f64; 3]; 7] = [
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-    [0.5, 0.5, 0.0],
-    [0.0, 0.5, 0.5],
-    [0.5, 0.0, 0.5],
-    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
-];
 const FACES_A_TASK: usize = 1024;
 /// The seed of `eval::CompareOptions`.
 const SEED: u64 = 1;
@@ -167,7 +157,7 @@ impl Judge {
                 let mut hint = 0;
                 for t in &faces[chunk * FACES_A_TASK..faces.len().min((chunk + 1) * FACES_A_TASK)] {
                     let corners = t.map(|v| self.frame.inside(from.positions[v as usize].into()));
-                    let is_far = LOOKED_AT.iter().any(|w| {
+                    let is_far = PLACES.iter().any(|w| {
                         let hit = to.closest(corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2], hint);
                         hint = hit.slot;
                         hit.distance2 > limit * limit

@@ -14,5 +14,7 @@ pub(crate) use aabb::Aabb;
 pub(crate) use bvh::{Bvh, Hit};
 #[allow(unused_imports)] // what asks which points are near
 pub(crate) use points::PointTree;
+#[cfg(feature = "encode")]
+pub(crate) use triangle::PLACES;
 #[allow(unused_imports)] // floors above ask for the point and its feature
 pub(crate) use triangle::{Closest, Feature, Triangle, distance2};

@@ -9,6 +9,19 @@ use glam::DVec3;
 /// Three corners, counter-clockwise seen from outside.
 pub(crate) type Triangle = [DVec3; 3];
 
+/// Points of a triangle that stand for all of it where distances are looked at, by the weights of its corners: the corners, the
+/// middles of the edges, the centre.
+#[cfg(feature = "encode")]
+pub(crate) const PLACES: [[f64; 3]; 7] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.5, 0.5, 0.0],
+    [0.0, 0.5, 0.5],
+    [0.5, 0.0, 0.5],
+    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
+];
+
 /// What part of a triangle a point lies on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Feature {

@@ -13,7 +13,7 @@ use super::fit::{Target, barycentric, chunks};
 use super::gradient;
 use super::spread::spread;
 use crate::error::Result;
-use crate::geom::{Aabb, Bvh, Triangle, distance2};
+use crate::geom::{Aabb, Bvh, PLACES, Triangle, distance2};
 use crate::par;
 use crate::plane::{GeometryImage, Mask};
 use crate::task::Task;
@@ -38,17 +38,6 @@ const PASSES: usize = 400;
 
 /// Peaks that are tried at most, for each square of the image, and at least.
 const TRIES: (usize, usize) = (1, 20_000);
-
-/// Where D2 is measured: corners, middles of edges, centre.
-const PLACES: [[f64; 3]; 7] = [
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-    [0.5, 0.5, 0.0],
-    [0.0, 0.5, 0.5],
-    [0.5, 0.0, 0.5],
-    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
-];
 
 /// A point of the original with the square that it looks around and its squared distance.
 #[derive(Clone, Copy)]
